@@ -16,10 +16,11 @@ import pinocchio as pin
 from ..common.arguments import LARGEST, expect, numbers, typed
 from ..common.errors import PinpressError, UrdfError, caution, shown
 from ..common.quantities import Array
-from ..engines.constraints import Coupling
+from ..engines.constraints import Relation
 from .document import Document, Origin
 from .formats.elements import make_unique
 from .formats.mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, as_document, massless_link
+from .formats.mechanism import Relation as NamedRelation
 from .linkage import Linkage
 from .loading import load_document
 
@@ -33,7 +34,7 @@ def from_pinocchio(
     drivers: str | Sequence[str] | None = None,
     q: Array | None = None,
     *,
-    couplings: Sequence[Coupling] = (),
+    relations: Sequence[Relation] = (),
     slide: str | None = None,
     base: str = "fixed",
 ) -> Linkage:
@@ -55,7 +56,7 @@ def from_pinocchio(
             `FrameAnchorConstraintModel`. Joint 0 is the frame. Those of `Linkage.constraint_models` give the linkage back.
         drivers: as for `load`; the names of joints of several coordinates are those above.
         q: (nq,) configuration of the model, quaternions as x y z w, from which the linkage is put together; by default the neutral one.
-        couplings: gear pairs that the model does not know, by places of joints in its v, as `Linkage.couplings`.
+        relations: gears that the model does not know, by places of joints in its v, as `Linkage.relations`.
         slide: as for `load`.
         base: as for `load`, of a free flyer on the frame.
 
@@ -71,7 +72,7 @@ def from_pinocchio(
     if not isinstance(model, pin.Model):
         raise PinpressError(f"model is {shown(model)}: give a pinocchio.Model")
     start = pin.neutral(model) if q is None else numbers("q", q, (model.nq,))
-    document = _Reader(model, start).document(constraint_models, couplings)
+    document = _Reader(model, start).document(list(constraint_models), relations)
     try:
         return load_document(document, drivers, slide, model.gravity.linear, base=base, in_file=False, command="pp.check of its URDF text")
     except UrdfError as error:  # users do not see the lines of the URDF
@@ -114,7 +115,7 @@ class _Reader:
     model: pin.Model
     start: Array
 
-    def document(self, constraint_models: Sequence[Constraint], couplings: Sequence[Coupling]) -> Document:
+    def document(self, constraint_models: Sequence[Constraint], relations: Sequence[Relation]) -> Document:
         model, name = self.model, self.model.name or "model"
         self.taken: set[str] = {frame.name for frame in model.frames} | set(model.names)
         self.links: list[Link] = []
@@ -128,12 +129,12 @@ class _Reader:
             if joint:
                 self._read_joint(joint)
         self._read_frames()
-        self._add_couplings(couplings)
         loops = tuple(self._loops(constraint_models))
         origin = _origin("model", name)
         links, joints = tuple(self.links), tuple(self.joints)
-        mechanism = Mechanism(name, links, joints, loops, (), (), origin, tuple(self.balls), home=self.home)
-        return replace(as_document(name, mechanism, f"the Pinocchio model {name}"), origins={})
+        geared = tuple(self._relations(relations))
+        of_model = Mechanism(name, links, joints, loops, (), (), origin, tuple(self.balls), geared, self.home)
+        return replace(as_document(name, of_model, f"the Pinocchio model {name}"), origins={})
 
     def _link_name(self, joint: int) -> str:
         """Name of the link in whose frame the body of a joint lies: that of the first frame of a body there, else a new one."""
@@ -283,15 +284,14 @@ class _Reader:
             self.links.append(Link(frame.name, None, (), origin))
             self.joints.append(Joint(joint, "fixed", self.carried[frame.parentJoint], frame.name, frame.placement, _X, origin))
 
-    def _add_couplings(self, couplings: Iterable[Coupling]) -> None:
-        places = {joint.name: k for k, joint in enumerate(self.joints)}
-        for pair in couplings:
-            expect("an entry of couplings", pair, Coupling, "Linkage.couplings")
-            if pair.follower not in self.of_v or pair.leader not in self.of_v:
-                raise PinpressError(f"couplings: {pair.name!r} names a place in v that is not one of a single joint of {self.model.name}")
-            k, name = places[self.of_v[pair.follower]], self.of_v[pair.leader]
-            follow = Follow(name, float(pair.multiplier), float(pair.offset), _origin("coupling", pair.name))
-            self.joints[k] = replace(self.joints[k], follow=follow)
+    def _relations(self, relations: Iterable[Relation]) -> Iterator[NamedRelation]:
+        for relation in relations:
+            expect("an entry of relations", relation, Relation, "Linkage.relations")
+            if relation.curve is not None or not set(relation.joints) <= set(self.of_v):
+                problem = "is a curve" if relation.curve is not None else "names places in v that are not those of single joints"
+                raise PinpressError(f"relations: {relation.name!r} {problem}: give gears of joints of {self.model.name}")
+            coefficients = {self.of_v[joint]: float(value) for joint, value in relation.coefficients.items()}
+            yield NamedRelation(relation.name, coefficients, float(relation.offset), _origin("relation", relation.name))
 
     def _loops(self, constraint_models: Sequence[Constraint]) -> Iterator[Loop]:
         points: dict[tuple[int, int], list[Constraint]] = {}

@@ -5,10 +5,12 @@ import warnings
 import numpy as np
 import pinocchio as pin
 import pytest
+from reference.robots.cases import FOLDER
 from support import texts
 from support.generators.spatial_linkages import bennett, four_bar, null_space
 
 import pinpress as pp
+from pinpress.engines.constraints import gear
 
 SAME = 1e-11  # of the largest value: states of joints in chains are found by another way
 
@@ -184,13 +186,13 @@ PRESSES = {name: lambda name=name: pp.load(name) for name in pp.presses()} | {
 @pytest.mark.parametrize("name", PRESSES)
 def test_model_and_constraints_of_a_linkage_give_it_back(name):
     press = PRESSES[name]()
-    again = pp.from_pinocchio(press.model, press.constraint_models(), press.drivers, couplings=press.couplings)
+    again = pp.from_pinocchio(press.model, press.constraint_models(), press.drivers, relations=press.relations)
     assert (again.name, again.bearings, again.slide, set(again.links)) == (press.name, press.bearings, press.slide, set(press.links))
     assert [loop.type for loop in again.loops] == [loop.type for loop in press.loops]
     for got, expected in zip(reactions(again), reactions(press), strict=True):
         assert np.abs(got - expected).max() <= 1e-12 * max(np.abs(expected).max(), np.abs(reactions(press)[1]).max())
-    rigid = [pin.convertToRigidConstraintModel(press.model, each) for each in press.constraint_models()]
-    assert pp.from_pinocchio(press.model, rigid, press.drivers, couplings=press.couplings).text.count(b"<loop_joint") == len(press.loops)
+    rigid = pin.StdVec_RigidConstraintModel([pin.convertToRigidConstraintModel(press.model, each) for each in press.constraint_models()])
+    assert pp.from_pinocchio(press.model, rigid, press.drivers, relations=press.relations).text.count(b"<loop_joint") == len(press.loops)
 
 
 def test_a_mimic_joint_is_a_gear_pair():
@@ -253,3 +255,11 @@ def test_joints_that_cannot_be_read_are_named():
         pp.from_pinocchio(3)
     with pytest.raises(pp.UnknownNameError, match="a0"):
         pp.from_pinocchio(Model(*CASES["points"][:2], seed=1).model, [], "a9")
+
+
+def test_gears_of_several_joints_are_relations():
+    press = texts.load((FOLDER / "13_urdfplus_coupling.urdf").read_text())
+    again = pp.from_pinocchio(press.model, [], press.drivers, relations=press.relations)
+    assert driven(again, [0.5], [1.0], [2.0]) == pytest.approx(1.756711562, rel=1e-9)
+    with pytest.raises(pp.PinpressError, match="relations: 'spindle' names places in v that are not those of single joints"):
+        pp.from_pinocchio(Model(*CASES["hinges"][:2], seed=0).model, [], "a0", relations=[gear("spindle", 5, 0, 2.0)])
