@@ -45,7 +45,9 @@ def equilibrium(press: Linkage, engine: Engine, motion: Motion, loads: Sequence[
         AssemblyError: the loops do not close on the way.
     """
     for load in loads:
-        if not isinstance(load, SpringDamper) and not (isinstance(load, PointForce) and np.ndim(load.force) == 1):
+        if not isinstance(load, SpringDamper) and not (
+            isinstance(load, PointForce) and not callable(load.force) and np.ndim(load.force) == 1
+        ):
             raise PinpressError(f"an equilibrium takes constant forces and springs, and not the load {load!r}: leave it out")
     statics = _Statics(press, engine, tuple(loads))
     count = len(press.motors)
@@ -132,7 +134,11 @@ class _Statics:
         for k in range(first, len(units)):
             way = np.zeros((len(units), 1))
             way[k] = STEP * units[k]
-            columns.append(np.tensordot(FIRST, self.along(position, lambda place, way=way: at + place * way), 1) / STEP)
+
+            def beside(place: int, way: Array = way) -> Array:
+                return np.asarray(at + place * way)
+
+            columns.append(np.tensordot(FIRST, self.along(position, beside), 1) / STEP)
         return np.array(columns).transpose(2, 1, 0)
 
 
@@ -161,8 +167,8 @@ def _follow(statics: _Statics, motors: Array) -> Array:
 def _walk(statics: _Statics, motors: Array) -> Array:
     """Closed positions (nv, n) in equilibrium at motor positions (motors, n), each followed from the one before."""
     press, units = statics.press, statics.units
-    count, here = len(press.motors), press.closed[:, None]
-    here = _settle(statics, here[list(press.driver_indices)], here, MOST_STEPS)
+    count, home = len(press.motors), press.closed[:, None]
+    here = _settle(statics, home[list(press.driver_indices)], home, MOST_STEPS)
     if here is None:
         raise PinpressError(
             f"{press.name} has no stable equilibrium near the pose in which it is put together: draw it in one, or give load(..., pose=...)"
@@ -233,7 +239,11 @@ def _rates(statics: _Statics, position: Array, speed: Array, acceleration: Array
     for order, weights, rates in ((1, FIRST, v), (2, SECOND, a)):
         fastest = np.maximum(np.abs(v / units).max(axis=0), np.sqrt(np.abs(a / units).max(axis=0)))
         time = STEP / np.where(fastest > 0.0, fastest, 1.0)  # of one step of the differences [s]
-        efforts = statics.along(position, lambda place, time=time: at + place * time * v + 0.5 * (place * time) ** 2 * a)
+
+        def later(place: int, time: Array = time) -> Array:
+            return np.asarray(at + place * time * v + 0.5 * (place * time) ** 2 * a)
+
+        efforts = statics.along(position, later)
         change = np.tensordot(weights, efforts, 1) / time**order
         rates[count:] = -np.linalg.solve(stiffness, change.T[:, :, None])[:, :, 0].T * units[count:]
     return v, a

@@ -293,11 +293,11 @@ def filled(press: Linkage, motion: Motion) -> Motion:
     if motion.complete:
         return motion
     gaps, rest = ~motion.valid, np.zeros(len(press.joints))
-    of_states_filled = (
+    x, v, a = (
         np.where(gaps[:, None], fill, values).T.copy()
         for values, fill in ((motion.joint_position, press.closed), (motion.v, rest), (motion.a, rest))
     )
-    return of_states(press, *of_states_filled, np.where(gaps, 0.0, motion.closure_error), motion._time, motion.period_turns)
+    return of_states(press, x, v, a, np.where(gaps, 0.0, motion.closure_error), motion._time, motion.period_turns)
 
 
 def with_gaps(press: Linkage, motion: Motion, drivers: Sequence[Array], gaps: Sequence[int], reasons: Sequence[str]) -> Motion:
@@ -310,7 +310,8 @@ def with_gaps(press: Linkage, motion: Motion, drivers: Sequence[Array], gaps: Se
         blanked.append(own)
     error = motion.closure_error.copy()
     error[gaps] = np.nan
-    result = of_states(press, *blanked, error, motion._time, motion.period_turns)
+    x, v, a = blanked
+    result = of_states(press, x, v, a, error, motion._time, motion.period_turns)
     vars(result)["reasons"] = tuple(reasons)
     return result
 

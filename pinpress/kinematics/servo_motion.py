@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import in_unit, numbers, typed
-from ..common.errors import PinpressError, SingularityError, shown
+from ..common.errors import PinpressError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..engines.branch import Branch, out_of_branch
@@ -133,12 +133,13 @@ def _with_passive(press: Linkage, motors: DriverMotion) -> DriverMotion:
     count, passive = len(motors.angle), press.driver_indices[len(press.motors) :]
     rest = np.zeros((count, len(passive)))
     values = ((motors.angle, rest + press.closed[list(passive)]), (motors.speed, rest), (motors.acceleration, rest))
-    return DriverMotion(*(np.concatenate([given.reshape(count, -1), others], axis=1) for given, others in values), motors.time)
+    angle, speed, acceleration = (np.concatenate([given.reshape(count, -1), others], axis=1) for given, others in values)
+    return DriverMotion(angle, speed, acceleration, motors.time)
 
 
 def _moved_where_reached(press: Linkage, branch: Branch | None, asked: DriverMotion, engine: str) -> Motion:
     """The motion with gaps in the states that are not reached."""
-    locked: dict[int, SingularityError] = {}
+    locked: dict[int, PinpressError] = {}
     angles = asked.angle
     if branch is not None and branch.period is None:
         home = float(press.closed[press.driver_indices[0]])

@@ -653,7 +653,9 @@ class Linkage(Frozen):
             state = int(np.argmax(wrong))
             problem = f"{self.name} locks in state {state}, where its drivers do not determine how it moves: leave the state out"
             place = self.structure.place(x[:, state])
-            raise SingularityError(problem, float(x[self.driver_indices[0], state]), 0.0, place, x[list(self.driver_indices), state])
+            raise SingularityError(
+                problem, float(x[self.driver_indices[0], state]), 0.0, place, x[list(self.driver_indices), state].tolist()
+            )
         by_state = np.ascontiguousarray(columns.transpose(2, 0, 1))
         return by_state[0] if one else by_state
 

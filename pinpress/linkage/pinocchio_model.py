@@ -19,6 +19,7 @@ from ..common.quantities import Array
 from ..engines.constraints import Relation
 from .document import Document, Origin
 from .formats.elements import make_unique
+from .formats.free_bodies import Base
 from .formats.mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, as_document, massless_link
 from .formats.mechanism import Relation as NamedRelation
 from .linkage import Linkage
@@ -36,7 +37,7 @@ def from_pinocchio(
     *,
     relations: Sequence[Relation] = (),
     slide: str | None = None,
-    base: str = "fixed",
+    base: Base = "fixed",
 ) -> Linkage:
     """Make a linkage of a Pinocchio model whose loops are closed by constraint models.
 
@@ -345,7 +346,7 @@ def _ends(constraint: Constraint) -> tuple[pin.SE3, pin.SE3]:
     places = constraint.joint1_placement, constraint.joint2_placement
     if not _is_point(constraint):
         return places[0].copy(), places[1].copy()
-    return tuple(pin.SE3(np.eye(3), np.array(place.translation)) for place in places)  # type: ignore[return-value]
+    return pin.SE3(np.eye(3), np.array(places[0].translation)), pin.SE3(np.eye(3), np.array(places[1].translation))
 
 
 def _are_hinge(first: Constraint, second: Constraint) -> bool:

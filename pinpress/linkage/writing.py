@@ -308,15 +308,15 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
     mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
     count = len(mimics)
     for mimic, *pairs in zip(mimics, before.relations[:count], now.relations[:count], strict=True):
-        was, pair = map(Coupling.of, pairs)
-        text.set(mimic, _attributes_of_changes({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
-        if pair.leader != was.leader:
+        old, pair = map(Coupling.of, pairs)
+        text.set(mimic, _attributes_of_changes({"multiplier": (old.multiplier, pair.multiplier), "offset": (old.offset, pair.offset)}))
+        if pair.leader != old.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
     for element, was, relation in zip(text.robot.all("relation"), before.relations[count:], now.relations[count:], strict=True):
         if (relation.coefficients, relation.offset) != (was.coefficients, was.offset):
             text.set(element, {"offset": as_text([relation.offset])})
-            for joint, (place, coefficient) in zip(element.all("joint"), relation.coefficients.items(), strict=True):
-                text.set(joint, {"name": now.joints[place], "coefficient": as_text([coefficient])})
+            for term, (place, coefficient) in zip(element.all("joint"), relation.coefficients.items(), strict=True):
+                text.set(term, {"name": now.joints[place], "coefficient": as_text([coefficient])})
     _edit_springs(text, read.joint_springs, now.joint_springs)
     _edit_rotors(text, before, now)
     for k, (loop, element) in enumerate(zip(read.loops, text.robot.all("loop_joint"), strict=True)):

@@ -35,6 +35,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ...common.arguments import suitable_numbers
 from ...common.errors import AssemblyError, PinpressError, SingularityError
@@ -340,7 +341,7 @@ class ForwardDynamics:
             raise self._trouble(x, self.still, self.still, locked)
         return factor, pivots, right.T if scales is None else self.lapack.dorgqr(factor[:, : len(x)], scales)[0]
 
-    def _needed(self, factor: Array, pivots: Array, orthogonal: Array, rows: Array) -> Array:
+    def _needed(self, factor: Array, pivots: NDArray[Any], orthogonal: Array, rows: Array) -> Array:
         """The shortest joint step (nv,) that brings the rows from ``rows`` (1 + rows,), of which the first number is unused, to zero, or as
         near to zero as they all come."""
         rank = self.rank

@@ -34,7 +34,7 @@ class Frame(NamedTuple):
 
     def rotations(self, placed: Placements) -> Array:
         """(3, 3, n) from the frame to the world."""
-        return np.einsum("ikn,kl->iln", placed.rotation[self.joint], self.rotation)
+        return np.asarray(np.einsum("ikn,kl->iln", placed.rotation[self.joint], self.rotation))
 
     def columns(self, loops: Loops, placed: Placements) -> Array:
         """(6, nv, n) velocity of the origin and angular velocity, world axes, at a unit rate of every joint of the open tree."""

@@ -175,7 +175,7 @@ def _flood(press: Linkage, grid: Array) -> _Flooded:
     waiting, locks = [(i, k, way) for way in WAYS], []
     while waiting:
         i, k, (across, up) = waiting.pop()
-        line = []
+        line: list[tuple[int, int]] = []
         while 0 <= i + (len(line) + 1) * across < shape[0] and 0 <= k + (len(line) + 1) * up < shape[1]:
             node = (i + (len(line) + 1) * across, k + (len(line) + 1) * up)
             if reached[node]:
@@ -203,8 +203,9 @@ def _least_singular_values(jacobian: Array) -> tuple[Array, Array]:
     directions, sizes, _ = np.linalg.svd(jacobian.transpose(1, 0, 2).reshape(jacobian.shape[1], -1), full_matrices=False)
     spanned = directions[:, sizes > 1e-9 * sizes[0]]
     if spanned.shape[1] != jacobian.shape[2] or count != jacobian.shape[2]:
-        return values[:, count - 1], np.full(len(jacobian), np.nan)
-    return values[:, count - 1], np.sign(np.linalg.det(spanned.T @ jacobian))
+        return np.asarray(values[:, count - 1]), np.full(len(jacobian), np.nan)
+    signs = np.asarray(np.sign(np.linalg.det(spanned.T @ jacobian)))
+    return np.asarray(values[:, count - 1]), signs
 
 
 def _zeros(lines: list[Array], values: Array) -> Array:

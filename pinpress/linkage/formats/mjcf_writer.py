@@ -113,7 +113,7 @@ class _Tree:
     @staticmethod
     def of(press: Linkage, drawn: Array) -> _Tree:
         model = press.model
-        chains = {joint: (joint,) for joint in range(1, model.njoints)}
+        chains: dict[int, tuple[int, ...]] = {joint: (joint,) for joint in range(1, model.njoints)}
         for chain in _free_bodies(press):
             for joint in chain[:-1]:
                 del chains[joint]
@@ -246,8 +246,8 @@ def _geoms(link: Element) -> Iterator[str]:
         colour = [rgba for material in visual.all("material") for each in material.all("color") if (rgba := each.numbers("rgba"))]
         looks = {"rgba": as_text(colour[0])} if colour else {}
         for shape in (shape for geometry in visual.all("geometry") for shape in geometry.all("box", "cylinder", "sphere")):
-            size = 0.5 * np.array(shape.numbers("size")) if shape.tag == "box" else shape.numbers("radius")
-            size = [*size, *(0.5 * np.array(shape.numbers("length")))]
+            first = 0.5 * np.array(shape.numbers("size")) if shape.tag == "box" else shape.numbers("radius")
+            size = [*first, *(0.5 * np.array(shape.numbers("length")))]
             kind = {"type": shape.tag, "size": as_text(size), "contype": "0", "conaffinity": "0", "mass": "0"}
             yield tag("geom", kind | _place(place) | looks)
 

@@ -50,9 +50,9 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     document = Document(press.file, drawn_text(press))
     drawn = _with_gears(mechanism_of(document), press.name)
     mechanism = _without_free_joints(drawn, press.root, document.description.bases)
-    for link in document.robot.all("link"):
-        if link.all("tool"):
-            caution(f"{press.name}: SDF does not hold the <tool> of link {link.get('name')!r}: it was left out")
+    for element in document.robot.all("link"):
+        if element.all("tool"):
+            caution(f"{press.name}: SDF does not hold the <tool> of link {element.get('name')!r}: it was left out")
     for link in mechanism.links:
         if link.inertia is not None and link.inertia.mass and _is_odd(link.inertia.tensor):
             caution(f"{press.name}: link {link.name!r} has moments of inertia that no body has, which Gazebo refuses; written as they are")

@@ -72,7 +72,8 @@ def _joint(element: Element, joint: description.Joint, spring: Spring | None, ar
     limit = {name: each.number(name, np.inf) for each in element.all("limit") for name in ("effort", "velocity")}
     effort, velocity = (value if (value := limit.get(name, np.inf)) < LARGEST else None for name in ("effort", "velocity"))
     dynamics = {name: each.number(name, 0.0) for each in element.all("dynamics") for name in ("damping", "friction")}
-    mimic = joint.mimic and Follow(joint.mimic.leader, joint.mimic.multiplier, joint.mimic.offset, _origin(element))
+    followed = joint.mimic
+    mimic = None if followed is None else Follow(followed.leader, followed.multiplier, followed.offset, _origin(element))
     return Joint(
         joint.name,
         "revolute" if joint.type == "continuous" else joint.type,

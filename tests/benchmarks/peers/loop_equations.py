@@ -12,8 +12,9 @@ import numpy as np
 from pinpress.common.errors import PinpressError, SimulationError
 from pinpress.common.quantities import Array, ComplexArray
 from pinpress.engines.constraints import LoopJoint
-from pinpress.engines.rank import RANK
 from pinpress.linkage.linkage import Linkage
+
+RANK = 1e-9  # singular values below this are zero
 
 SAMPLES = 512  # states of the turn that is walked when the model is made; Newton's method starts from them later
 CLOSED = 1e-11  # largest last Newton step, whose Jacobian is of the state before it [m, rad]

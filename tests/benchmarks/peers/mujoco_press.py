@@ -30,10 +30,11 @@ from mujoco import rollout
 from pinpress.accuracy.scenes import CLUTCH, DIE, SPEED_LAW, Scene
 from pinpress.common.errors import PinpressError, SimulationError
 from pinpress.common.quantities import Array
-from pinpress.engines.rank import RANK
 from pinpress.kinematics.cycle import cycle
 from pinpress.kinematics.slide_path import dead_centres
 from pinpress.linkage.linkage import Linkage
+
+RANK = 1e-9  # singular values below this are zero
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 Effort = Callable[[Array, Array], Array | float]  # efforts (nv,) by joint coordinates and rates (nv,)
