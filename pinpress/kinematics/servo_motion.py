@@ -139,13 +139,15 @@ def _with_passive(press: Linkage, motors: DriverMotion) -> DriverMotion:
 
 def _moved_where_reached(press: Linkage, branch: Branch | None, asked: DriverMotion, engine: str) -> Motion:
     """The motion with gaps in the states that are not reached."""
-    locked: dict[int, PinpressError] = {}
+    locked: dict[int, SingularityError] = {}
     angles = asked.angle
     if branch is not None and branch.period is None:
         home = float(press.closed[press.driver_indices[0]])
         for upwards, beyond in ((False, angles < branch.angles[0]), (True, angles > branch.angles[-1])):
             if branch.locks[upwards] is not None:
-                locked |= dict.fromkeys(np.flatnonzero(beyond).tolist(), out_of_branch(branch, upwards))
+                lock = out_of_branch(branch, upwards)
+                assert isinstance(lock, SingularityError)  # as the branch ends in one
+                locked |= dict.fromkeys(np.flatnonzero(beyond).tolist(), lock)
                 angles = np.where(beyond, home, angles)
     motion = moved(press, branch, angles, asked.speed, asked.acceleration, asked.time, engine, locked)
     if not locked:

@@ -472,7 +472,7 @@ def _outside_limits(press: Linkage) -> Iterator[Finding]:
     inside, description = within(press.structure, press.closed), press.document.description
     for joint in (press.document.find("joint", press.joints[j]) for j in np.flatnonzero(~inside)):
         j, limit = press.joints.index(joint.get("name")), joint.all("limit")[-1]
-        lower, upper = next(each.limits or () for each in description.joints if each.name == joint.get("name"))
+        lower, upper = next(each.limits for each in description.joints if each.name == joint.get("name") and each.limits)
         problem = f"the linkage is put together with it at {_value(press, j, press.closed[j])}, outside its limits {lower:g} to {upper:g}"
         yield Finding("warning", str(limit), limit.line, problem, "limits count from the zeros of the file: correct them")
 

@@ -99,7 +99,7 @@ class _Writer:
     def __init__(self, mechanism: Mechanism, places: Mapping[str, pin.SE3], press: Linkage) -> None:
         self.mechanism, self.places, self.drivers = mechanism, places, press.motors
         self.root, self.moving = press.root, {link for link, body in press.document.description.bodies.items() if body != press.root}
-        taken = {part.name for part in (*mechanism.joints, *mechanism.loops)}
+        taken = {joint.name for joint in mechanism.joints} | {loop.name for loop in mechanism.loops}
         self.names = {WORLD: WORLD}  # of links: in SDF they share names with joints
         for name in (link.name for link in mechanism.links if link.name != WORLD):
             self.names[name] = make_unique(name if name not in taken else f"{name}_link", taken)
