@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import in_unit, numbers, typed
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, SingularityError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..engines.branch import Branch, out_of_branch
