@@ -7,7 +7,7 @@ of the limits, and from random poses. The first pose that closes within the limi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -56,34 +56,41 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         placed = replace(press, home=tuple(as_it_stands.start.tolist()), mounted=as_it_stands.how)
         if closes_nearby(placed, as_it_stands.start):
             return replace(placed, home=tuple(placed.closed.tolist()))
-    mounting, best, how = Mounting(press.structure), Mounted(press.assembly.start, np.inf), ""
+    mounting = Mounting(press.structure)
     if home and closed_as_drawn(press) and not press.assembly.determined:
         rung = _near(press, home, POSE)[0]
         # Assemblies meet as drawn, so that several may be near the pose: the one that is farthest from locking.
         if poses := mounting.assemblies(rung.start, rung.held, 2 * BESIDE):
             chosen = max(poses, key=lambda pose: _margin(press, pose))
             return replace(press, home=tuple(chosen.tolist()), mounted=rung.how)
-    for rungs in (
-        (*_near(press, home, POSE),) if home else (*_near(press, of_file, HOME), *_as_drawn(press)),
-        () if home else _anywhere(press, mounting),
-        () if home else _outside_limits(press),
-    ):
-        alike = 0
-        for rung in rungs:
-            reached = mounting.close(rung.start, rung.held, rung.limited)
-            alike = alike + 1 if abs(reached.misfit - best.misfit) <= 1e-6 * best.misfit else 0
-            if reached.misfit < best.misfit:
-                best, how = reached, rung.how
-            if best.misfit <= CLOSED or alike == MOST_ALIKE:
-                break
-        if best.misfit <= ROUNDED:
-            break
+    ladder: list[Iterable[_Rung]] = [_near(press, home, POSE)]
+    if not home:
+        ladder = [(*_near(press, of_file, HOME), *_as_drawn(press)), _anywhere(press, mounting), _outside_limits(press)]
+    best, how = _climb(mounting, ladder)
     if home and best.misfit > ROUNDED:
         gap = 1e3 * best.misfit * press.size
         named = ", ".join(f"{name} {value:g}" for name, value in home.items())
         problem = f"{press.file}: its loops do not close near the pose {named}: at best they are {gap:.3g} mm apart"
         raise AssemblyError(f"{problem}; give another pose, or fewer joints of it", 0.0, gap / 1e3, 0)
     return replace(press, home=tuple(mounting.without_turns(best.position).tolist()), mounted=how)
+
+
+def _climb(mounting: Mounting, ladder: Iterable[Iterable[_Rung]]) -> tuple[Mounted, str]:
+    """The first closed pose, and how it was found; else the pose with the least misfit. One that is closed but for rounding ends the climb
+    after its part of the ladder."""
+    best, how = Mounted(np.empty(0), np.inf), ""
+    for rungs in ladder:
+        alike = 0
+        for rung in rungs:
+            reached = mounting.close(rung.start, rung.held, rung.limited)
+            alike = alike + 1 if abs(reached.misfit - best.misfit) <= 1e-6 * best.misfit < np.inf else 0
+            if reached.misfit < best.misfit:
+                best, how = reached, rung.how
+            if best.misfit <= CLOSED or alike == MOST_ALIKE:
+                break
+        if best.misfit <= ROUNDED:
+            break
+    return best, how
 
 
 def nearby(press: Linkage) -> list[dict[str, float]]:
