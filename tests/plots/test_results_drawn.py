@@ -43,6 +43,17 @@ def test_a_map_has_the_values_at_their_places():
         pp.plots.draw(alone)
 
 
+def test_a_map_has_the_singular_poses_over_its_colours():
+    reach = every_result.workspace()
+    axes = pp.plots.draw(reach, "map frame").axes[0]
+    (points,) = axes.lines
+    assert len(reach.dead_points) >= 5
+    assert np.column_stack(points.get_data()) == pytest.approx(np.degrees(reach.dead_points))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("hip [deg]", "crank [deg]")
+    values = np.asarray(axes.collections[0].get_array()).reshape(5, 5)  # type: ignore[union-attr]
+    assert values == pytest.approx(reach.frame_margin.T)
+
+
 def test_orders_stand_next_to_calculated_frequencies():
     orders = next(value for value in every_result.made() if type(value).__name__ == "OrderSpectra")
     modes = next(value for value in every_result.made() if type(value).__name__ == "VibrationModes")
