@@ -14,7 +14,7 @@ from ...common.plausibility import UNWEIGHED
 from ...common.quantities import Array
 from ...engines.branch import MOST_TURNS, Branch, predict
 from ...engines.constraints import LoopJoint
-from ...engines.mounting import within
+from ...engines.mounting import Mounting, within
 from ...engines.pinocchio.equations import Rows
 from ...engines.planar.model import PARALLEL
 from ...engines.rank import rank, singular_values
@@ -116,10 +116,24 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
         )
         remedy = "drive fewer joints" if freedom > 0 else stuck
         least = float(singular_values(rows.columns)[press.model.nv - len(press.drivers)])
+        if press.assembly.closes and freedom == 0:
+            problem += _misses(press)
         if least < 1e-3:  # equations that are clearly independent have singular values of about 1
-            problem += f"; it misses moving by {least:.1g} only, which looks like rounding"
             remedy = "write equal and symmetrical lengths and angles with all digits, as formulas or copies: then the equations agree"
     return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
+
+
+def _misses(press: Linkage) -> str:
+    """By how much the loops keep drivers from moving, as text: their gaps at best with the drivers moved on."""
+    mounting, drivers, start = Mounting(press.structure), list(press.driver_indices), press.closed.copy()
+    start[drivers] += 0.1 * mounting.lengths[drivers]
+    gaps = press.equations(mounting.close(start, drivers, limited=False).position).gaps
+    widest = float(np.abs(gaps).max(initial=0.0))
+    each_open = ", ".join(
+        f"{each.title} by {opening_in_words(press, each, gaps)}" for each in mobility.constraints(press) if each.gap(gaps) > 0.1 * widest
+    )
+    by = "0.1 rad" if all(press.axes[joint].turns for joint in drivers) else f"0.1 rad or {_short(100 * press.size)} mm"
+    return f"; it misses moving: {by} further on these stay open at best: {each_open}" if widest > SEEN * press.size else ""
 
 
 def _meets(press: Linkage, freedom: int) -> bool:
@@ -456,7 +470,7 @@ def _misfit(press: Linkage) -> Iterator[Finding]:
     named = ", ".join(each.title for each in mobility.contradicting(press))
     problem = f"redundant equations contradict each other by up to {_short(1e3 * misfit)} mm, of {named}"
     exact = remedy_of_rounded_axes(press) or "write equal and symmetrical lengths and angles with all digits"
-    remedy = f"results have errors of about {misfit / size:.1g} of their size; {exact}"
+    remedy = f"expect errors of up to {10 * misfit / size:.1g} of the largest force, torque and travel; {exact}"
     yield Finding("warning" if misfit > SEEN * size else "note", _robot(press), None, problem, remedy)
 
 
