@@ -124,16 +124,17 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
 
 
 def _misses(press: Linkage) -> str:
-    """By how much the loops keep drivers from moving, as text: their gaps at best with the drivers moved on."""
+    """By how little the loops keep drivers from moving, as text: their gaps at best with the drivers moved on; empty if by much."""
     mounting, drivers, start = Mounting(press.structure), list(press.driver_indices), press.closed.copy()
     start[drivers] += 0.1 * mounting.lengths[drivers]
     gaps = press.equations(mounting.close(start, drivers, limited=False).position).gaps
     widest = float(np.abs(gaps).max(initial=0.0))
-    each_open = ", ".join(
-        f"{each.title} by {opening_in_words(press, each, gaps)}" for each in mobility.constraints(press) if each.gap(gaps) > 0.1 * widest
-    )
+    if not SEEN * press.size < widest < 0.02 * press.size:  # of loops that meet a moved driver at right angles it would be 0.1
+        return ""
+    those = [each for each in mobility.constraints(press) if each.gap(gaps) > 0.1 * widest]
+    each_open = ", ".join(f"{each.title} stays open by {opening_in_words(press, each, gaps)}" for each in those)
     by = "0.1 rad" if all(press.axes[joint].turns for joint in drivers) else f"0.1 rad or {_short(100 * press.size)} mm"
-    return f"; it misses moving: {by} further on these stay open at best: {each_open}" if widest > SEEN * press.size else ""
+    return f"; it misses moving by little: {by} further, {each_open} at best"
 
 
 def _meets(press: Linkage, freedom: int) -> bool:
