@@ -5,7 +5,7 @@
     compliance.bottom_stiffness  # N/m at the slide
     pp.elasticity.snap_through(force=1e6, stiffness=compliance.bottom_stiffness, mass=7000.0).overshoot  # m
 
-Deflections are small: the springs of the parts shift the slide, and leave the motion of the linkage as it is.
+Deflections are small: the springs of the parts displace the slide but do not change the motion of the linkage.
 """
 
 from ..common.public_names import public_names

@@ -1,16 +1,16 @@
-"""Snap-through after break-through in blanking: the sprung press is suddenly unloaded and swings through into reverse load.
+"""Snap-through after break-through in blanking: the elastic press is suddenly unloaded and overshoots into reverse load.
 
-The slide, of effective mass m, hangs on the spring k of the press with the damping ratio zeta. Its displacement x counts along the guide's
-axis (upwards) from its place without force. A force F on the slide holds it at F / k. When the blank breaks, the force falls linearly to
-zero within a break-through time tau, or at once. Then m x'' + c x' + k x = F(t), x(0) = F / k, x'(0) = 0, c = 2 zeta sqrt(k m). While x < 0
-the linkage is pulled: k |x| is its reverse load, and |x| the overshoot of the slide, by which the punch goes too deep. The model takes the
-slide's weight as balanced, the crank as held, and its travel during the snap as small.
+The slide, of effective mass m, is connected to the spring k of the press, with the damping ratio zeta. Its displacement x is measured along
+the guide's axis (upwards) from the unloaded position. A force F on the slide displaces it by F / k. When the blank breaks, the force falls
+linearly to zero within a break-through time tau, or at once. Then m x'' + c x' + k x = F(t), x(0) = F / k, x'(0) = 0, c = 2 zeta sqrt(k m).
+While x < 0 the slide pulls the linkage: k |x| is the reverse load, and |x| is the overshoot, by which the punch goes too deep. The model
+assumes that the slide's weight is balanced, the crank is held, and the slide's travel during the snap-through is small.
 
-With a clearance g in the bearings the spring is in contact for x > 0 and for x < -g; between them the slide flies freely and without
-damping. Every segment is solved in closed form, and its end is found within rounding error.
+With a clearance g in the bearings the spring is in contact for x > 0 and for x < -g; in between, the slide flies freely without damping.
+Every segment of the motion has a closed form, and its end is computed within rounding error.
 
 Closed forms without clearance: for a sudden break the reverse load is F exp(-zeta pi / sqrt(1 - zeta^2)). For a break within tau and
-without damping it is F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; any textbook of
+without damping it is F |sin(w tau / 2) / (w tau / 2)|, w = sqrt(k / m) (a linear drop of force on a linear oscillator; see any textbook on
 vibrations).
 """
 
@@ -35,16 +35,16 @@ from ..common.results import Tabular
 WEAKEST = 1e-6  # ratio of reverse load to force; below it the reverse load limits no force
 GROWTH = 1.05  # ratio of the forces of two trials in the search with clearance
 LONGEST = 1e3  # periods that a break-through may take
-STEPS = 32  # steps of half a period in which turning points and edges of the clearance are looked for
+STEPS = 32  # steps of half a period in which turning points and edges of the clearance are searched
 PERIODS = 6  # periods of vibration after the force is gone
-CALM = 1e-24  # a kinetic energy below this share of the elastic energy is rounding
-MOST = 20_000  # segments of half a period
-ROUNDING = 4 * float(np.finfo(float).eps)  # share of a span; a smaller step of a root is rounding
+CALM = 1e-24  # a kinetic energy below this share of the elastic energy is a rounding error
+MOST = 20_000  # most segments, of half a period each
+ROUNDING = 4 * float(np.finfo(float).eps)  # a root is computed to this share of its interval
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SnapThroughResponse(Tabular):
-    """Response of the slide and the sprung press to break-through. All arrays are read-only.
+    """Response of the slide and the elastic press to break-through. All arrays are read-only.
 
     Attributes:
         force: force F at break-through [N].
@@ -52,12 +52,12 @@ class SnapThroughResponse(Tabular):
         mass: mass m of the slide and the parts that move with it [kg].
         damping_ratio: damping ratio zeta [-].
         break_time: time tau in which the force falls to zero [s].
-        clearance: clearance g of the bearings together [m].
+        clearance: sum g of the clearances of the bearings [m].
         energy: elastic energy stored at break-through, F^2 / (2 k) [J].
         reverse_force: reverse load, the largest pull of the spring on the linkage [N].
         overshoot: largest displacement of the slide beyond its unloaded position, with the clearance [m].
         peak_acceleration: largest magnitude of the slide's acceleration [m/s2].
-        frequency: frequency of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; flights through a clearance slow it further.
+        frequency: frequency of the vibration after break-through, w sqrt(1 - zeta^2) [rad/s]; flights through a clearance lower it further.
         time: (n,) times from break-through, in unequal steps [s].
         displacement: (n,) displacement x [m].
         velocity: (n,) velocity x' [m/s].
@@ -106,12 +106,12 @@ def snap_through(
 
     Args:
         force: force of blanking when the blank breaks through [N].
-        stiffness: stiffness of the press at that height, 1 / `SlideCompliance.compliance` [N/m].
-        mass: mass of the slide and the parts that move with it, with the upper die: `SlideCompliance.effective_mass` and the die's mass
+        stiffness: stiffness of the press at the height of break-through, 1 / `SlideCompliance.compliance` [N/m].
+        mass: mass of the slide and the parts that move with it, with the upper die: `SlideCompliance.effective_mass` plus the die's mass
             [kg].
         damping_ratio: damping ratio zeta, from 0 to below 1 [-].
         break_time: time in which the force falls to zero; 0: at once [s].
-        clearance: clearance of all bearings in the line of force together [m].
+        clearance: sum of the clearances of all bearings in the line of force [m].
 
     Raises:
         PinpressError: an argument is out of range, the break-through takes longer than 1000 periods, or the slide does not come to rest.
@@ -155,15 +155,15 @@ def permissible_breakthrough(
     break_time: float = 0.0,
     clearance: float = 0.0,
 ) -> Array:
-    """Find the force at break-through after which the reverse load just reaches its permitted value.
+    """Find the force at break-through for which the reverse load just reaches its permitted value.
 
-    With a clearance several forces may do so; then it is the least of those that are more than a twentieth apart. The first three arguments
-    are (n,) arrays, for example over the height, or single numbers.
+    With a clearance there may be several such forces; then the result is the smallest, if they differ by more than 5 %. The first three
+    arguments are (n,) arrays, for example over the height, or single numbers.
 
     Args:
-        reverse_force: permitted reverse load, as the maker of the press states it; often 10 % of the nominal force [N].
+        reverse_force: permitted reverse load, as stated by the maker of the press; often 10 % of the nominal force [N].
         stiffness: stiffness of the press, 1 / `SlideCompliance.compliance` [N/m].
-        mass: `SlideCompliance.effective_mass` and the mass of the upper die together [kg].
+        mass: `SlideCompliance.effective_mass` plus the mass of the upper die [kg].
         damping_ratio: as for `snap_through` [-].
         break_time: as for `snap_through` [s].
         clearance: as for `snap_through` [m].
@@ -206,7 +206,7 @@ class Release(NamedTuple):
 
 @dataclass(frozen=True)
 class ResponseSegment:
-    """The slide's motion over a time s from the segment's start, in closed form, in contact with the spring or in free flight.
+    """The slide's motion over the time s since the segment's start, in closed form, in contact with the spring or in free flight.
 
     Attributes:
         release: the break-through.
@@ -237,7 +237,7 @@ class ResponseSegment:
         return decay, damped, y, (w + decay * y) / damped
 
     def _particular(self, s: Any) -> tuple[Any, float]:
-        """The particular solution [m], and its rate [m/s]."""
+        """The particular solution [m] and its time derivative [m/s]."""
         release = self.release
         assert self.slack is not None
         rate = self.b / release.stiffness
@@ -257,10 +257,10 @@ class ResponseSegment:
         )
 
     def pressed(self, span: float) -> float:
-        """Time within the span during which x is positive for any phase of the vibration, in contact with a spring that is slack at 0."""
+        """Time within the span in which x is positive for any phase of the vibration; in contact, with a spring that is slack at x = 0."""
         decay, _, c, d = self._wave
 
-        def least(s: float) -> float:  # concave, so that it is positive up to some time, or to the end
+        def least(s: float) -> float:  # concave, so it is positive up to one time, or up to the end
             return float(self._particular(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
 
         return span if least(span) > 0.0 else sign_change(least, 0.0, span, ROUNDING * span) if least(0.0) > 0.0 else 0.0
@@ -289,12 +289,12 @@ class ResponseSegment:
 def segments(release: Release, pressed: bool = True) -> Iterator[tuple[ResponseSegment, float]]:
     """The segments of the motion, at most half a period each, with their lengths [s].
 
-    They end when the force is gone, the slide has turned in reverse load (or is at rest), and `PERIODS` are over.
+    They end when the force is zero, the slide has turned back in reverse load (or is at rest), and `PERIODS` periods are over.
 
     Args:
         release: the break-through.
-        pressed: whether to begin at break-through. Otherwise the time is left out during which the slide certainly stays in contact with
-            the spring, which is most of a slow break.
+        pressed: whether to begin at break-through. Otherwise the time in which the slide certainly stays in contact with the spring is left
+            out, which is most of a slow break-through.
 
     Raises:
         PinpressError: the slide does not come to rest.
@@ -362,7 +362,7 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
         release = _release(force, stiffness, mass, damping_ratio, break_time, clearance)
         return max(0.0, -release.stiffness * (_lowest(segments(_without_traces(release), pressed=False)) + release.clearance)) - reverse
 
-    low = reverse / GROWTH  # without damping, and at once, the reverse load is the force; else it is less
+    low = reverse / GROWTH  # the reverse load equals the force without damping and for a sudden break; otherwise it is smaller
     while excess(high := GROWTH * low) < 0.0:
         low = high
         if low > reverse / WEAKEST:
@@ -391,9 +391,9 @@ def _release(force: float, stiffness: float, mass: float, damping_ratio: float, 
 
 
 def _without_traces(release: Release) -> Release:
-    """The release without break time or clearance where these are so small that only rounding would show them."""
+    """The release, with break time or clearance set to zero if its effect is within rounding error."""
     at_once = release.break_time * release.frequency < 1e-9  # the reverse load differs by (w tau)^2 / 24
-    none = release.clearance * release.stiffness < 1e-13 * release.force  # less is rounding of the deflection
+    none = release.clearance * release.stiffness < 1e-13 * release.force  # a smaller clearance is a rounding error of the deflection
     return release._replace(break_time=0.0 if at_once else release.break_time, clearance=0.0 if none else release.clearance)
 
 
@@ -408,7 +408,7 @@ def _start(release: Release, half: float, pressed: bool) -> tuple[float, float, 
     if pressed or not release.break_time:
         return 0.0, x, v
     first = _segment(release, 0.0, x, v, 1)
-    t = half * max(0, int(first.pressed(release.break_time) / half) - 1)  # one fewer, far from rounding
+    t = half * max(0, int(first.pressed(release.break_time) / half) - 1)  # one half period fewer, to stay away from rounding errors
     x, v = (float(number) for number in first.at(t))
     return t, x, v
 
@@ -429,7 +429,7 @@ def _coasting(release: Release, x: float, v: float) -> Leaving:
 
 
 def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None:
-    """The instant within the span at which the slide leaves its side of the clearance; None: it does not."""
+    """The instant within the span at which the slide leaves its side of the clearance; None if it does not leave."""
     gap = segment.release.clearance
     if gap == 0.0:
         return None
@@ -439,10 +439,10 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None
     places[0] = segment.x
     for i in range(1, len(times)):
         for edge, way, after in edges:
-            # Closer to the edge than rounding of the deflection, the slide is on it.
+            # the slide is at the edge if its distance is within the rounding error of the deflection
             if way * (places[i] - edge) > 1e-13 * segment.release.force / segment.release.stiffness:
                 begin = times[i - 1]
-                if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
+                if way * (places[i - 1] - edge) >= 0.0:  # already at the edge
                     return Leaving(float(begin), edge, after)
 
                 def beyond(s: float, edge: float = edge) -> float:

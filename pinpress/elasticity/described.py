@@ -1,4 +1,4 @@
-"""What results of elastic presses show: what yields at the slide, bottom dead centre over the speed, break-through, vibrations, impacts."""
+"""What results of elastic presses show: compliance at the slide, bottom dead centre over the speed, break-through, vibrations, impacts."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from .speed_range import CampbellDiagram, ElasticSpeedResponse
 from .unit_load import SlideCompliance
 from .vibration import ElasticModes
 
-MOST_PARTS = 6  # parts with a colour of their own; the others are drawn together
-MOST_BEARINGS = 6  # bearings with a curve of their own, those of the largest forces
-MOST_MODES = 6  # modes with a curve or a band of their own, the lowest
-MOST_LINES = 12  # orders with a line of their own
+MOST_PARTS = 6  # parts with a separate colour; the others are drawn together
+MOST_BEARINGS = 6  # bearings with a separate curve, those with the largest forces
+MOST_MODES = 6  # modes with a separate curve or band, the lowest ones
+MOST_LINES = 12  # orders with a separate line
 MOST_PLACES = 4000  # places of an orbit
 ROUND = 181  # points of a circle
 SPEED = "crank speed"
 
 
 def compliance(found: SlideCompliance, page: Reactions | None = None) -> tuple[Section, ...]:
-    """The compliance at the slide, by parts; with the process of a page what yields under it."""
+    """The compliance at the slide, by parts; with the process of a page also the deflection under this process."""
     order, first = np.argsort(found.crank_angle), found.coordinate
     along = Along(first.counted, first.unit, found.crank_angle[order])
     curves = [Curve(name, part[order]) for name, part in found.largest_parts(MOST_PARTS)]
-    shares = dict(sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9)))  # equal ones differ by rounding
+    shares = dict(sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9)))  # equal shares differ by rounding errors
     figures = [Figure("stiffness at bottom dead centre", found.bottom_stiffness, "N/m", kind="accuracy")]
     nominal = 0.0 if page is None else float(page.process_force.max(initial=0.0))
     if page is not None and nominal > 0:
@@ -51,7 +51,7 @@ def compliance(found: SlideCompliance, page: Reactions | None = None) -> tuple[S
 
 
 def _by_position(found: SlideCompliance) -> tuple[Array, Array]:
-    """Slide positions, rising, and the compliance there; of two crank angles with one position both are kept."""
+    """Slide positions, rising, and the compliance there. Two crank angles with the same position are both kept."""
     order = np.argsort(found.slide_position)
     return found.slide_position[order], found.compliance[order]
 
@@ -103,7 +103,7 @@ def dead_centre(found: ElasticDeadCentre, page: Reactions | None = None) -> tupl
 
 
 def breakthrough(found: SnapThroughResponse, page: Reactions | None = None) -> tuple[Section, ...]:
-    """A break-through; it is of no press by its name."""
+    """A break-through; the result does not name a press."""
     before = f"{quantity('share').text(found.reverse_ratio, 4)} of the force before"
     figures = [
         Figure("reverse load", found.reverse_force, "N", before, kind="force"),
@@ -128,7 +128,7 @@ def breakthrough(found: SnapThroughResponse, page: Reactions | None = None) -> t
 
 
 def modes(found: ElasticModes, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Vibrations on its springs."""
+    """Natural vibrations of a press on its springs."""
     state, first, frequency = found.nearest_to_bottom, found._press.driver_coordinates[0], found.natural_frequency
     words = [found.words(state, mode) for mode in range(frequency.shape[1])]
     columns = [
@@ -211,7 +211,7 @@ def over_speeds(found: ElasticSpeedResponse, page: Reactions | None = None) -> t
 
 
 def impacts(found: ImpactsByTurn, page: Reactions | None = None) -> tuple[Section, ...]:
-    """A pin with clearance: its journal's orbit, and what it does turn by turn."""
+    """A pin with clearance: the orbit of its journal, and its impacts in each turn."""
     orbit = found.orbit[:: max(1, len(found.orbit) // MOST_PLACES)]
     turn = np.linspace(0.0, 2 * np.pi, ROUND)
     radius = quantity("m").text(found.radial, 4)

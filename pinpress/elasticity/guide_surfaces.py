@@ -1,18 +1,18 @@
-"""The surfaces of a slide's guide one by one: which of them carries how much, with preload or clearance, and how the slide tilts.
+"""The single surfaces of a slide's guide: the force on each surface, with preload or clearance, and the tilt of the slide.
 
-A surface of length L along the guide is a bed of springs on its middle line (Winkler), k / L for each metre of it, that pushes where it is
-compressed and never pulls. The slide is rigid and moves by u across its guide and by the small rotation w. Where a surface has its middle
-at p from the slide's origin and the slide presses on it along n, its line is compressed at the place s along the guide's axis a by
+A surface of length L along the guide is a Winkler foundation on its middle line, with the stiffness k / L per metre. It pushes where it is
+compressed and never pulls. The slide is rigid; it moves by u across its guide and by the small rotation w. Let p be the middle of a surface
+from the slide's origin, and n the direction in which the slide presses on it. At the place s along the guide's axis a, the line is
+compressed by
 
     d(s) = preload / k - clearance + n . (u + w x (p + s a))
 
-and carries N = integral of k / L max(d, 0) ds. Of all places of the slide it takes the one with the least energy, the sum of k / (2 L)
-integrals of max(d, 0)^2 less the work of the force and moment with which the slide presses on its guide. That energy is convex, and so
-the forces are unique; Newton's method on it decides which part of which surface touches. A single surface that is pressed at its end lifts
-off at the other one beyond an eccentricity of L / 6, as `ratings.eccentric_load` says; two surfaces opposite each other under a force
-through their middle are a `PreloadedJoint`.
+and carries N = integral of k / L max(d, 0) ds. The slide takes the position of least energy: the sum of k / (2 L) integrals of max(d, 0)^2,
+less the work of the force and moment of the slide on its guide. This energy is convex, so the forces are unique. Newton's method minimises
+it, and so decides which part of which surface is in contact. A single surface under an eccentricity of more than L / 6 lifts off at one
+end, as in `ratings.eccentric_load`. Two opposite surfaces under a force through their middle act as a `PreloadedJoint`.
 
-Thesis of Zhang 2007, 2.1, has an eight-way slide guide, without a number of it.
+Zhang (thesis, 2007, section 2.1) describes an eight-way slide guide, but gives no numbers for it.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from ..simulation.elastic.preloaded_joint import FAINT, STIFFEST
 
 WIDEST = 2e-3  # clearance of a surface above which it is probably in mm [m]
 ACROSS = 1e-9  # component along the guide that the normal of a surface may have
-HELD = 1e-9  # share of the springs that holds a slide which floats in its clearances in the middle
-LEFT = 1e-6  # share of the load that these may take, before the guide counts as one that does not hold the slide
-STEPS, HALVES = 200, 40  # of Newton's method, and of each step
-SETTLED = 1e-11  # share of the forces that may be missing
-ROUNDED = 1e-13  # share of the energy by which it may rise in rounding
+HELD = 1e-9  # centring springs, as a share of the surfaces' stiffness, for a slide that floats in its clearances
+LEFT = 1e-6  # if the centring springs take a larger share of the load, the surfaces do not hold the slide
+STEPS, HALVES = 200, 40  # most steps of Newton's method, and most halvings of a step
+SETTLED = 1e-11  # largest residual, as a share of the forces
+ROUNDED = 1e-13  # the energy may rise by this share because of rounding errors
 
 
 @dataclass(frozen=True)
@@ -51,19 +51,19 @@ class GuideSurface(Frozen):
 
     Attributes:
         name: of the surface.
-        point: (3,) its middle, from the slide link's origin, in world axes [m].
+        point: (3,) middle of the surface, from the slide link's origin, in world axes [m].
         normal: (3,) direction in which the slide presses on it, across the guide's axis, in world axes.
-        length: along the guide [m].
-        width: across it [m].
-        stiffness: of the whole surface, with its gib and the screws of that [N/m].
-        preload: force with which it presses on the slide that stands in its place [N].
-        clearance: between it and the slide that stands in its place [m]; a surface with preload has none.
+        length: length along the guide [m].
+        width: width across the guide [m].
+        stiffness: stiffness of the whole surface, with its gib and the gib's screws [N/m].
+        preload: force of the surface on the slide in its nominal position [N].
+        clearance: gap between the surface and the slide in its nominal position [m]; 0 with preload.
 
     Raises:
         PinpressError: a number is not as described, or there are both preload and clearance.
 
     Warns:
-        PinpressWarning: a preload below 1 kN, or a clearance above 2 mm: they may be in other units.
+        PinpressWarning: a preload is below 1 kN, or a clearance is above 2 mm: the unit may be wrong.
     """
 
     name: str
@@ -106,26 +106,26 @@ def eight_way_guide(
     clearance: float = 0.0,
     middle: float = 0.0,
 ) -> tuple[GuideSurface, ...]:
-    """The eight surfaces of an upright slide that is guided at its four corners in two directions each, all alike.
+    """The eight equal surfaces of an upright slide that is guided in two directions at each of its four corners.
 
-    They are named by corner and direction, such as "left front x": left is -x, front -y. For other guides give `GuideSurface` one by one;
-    ``dataclasses.replace`` changes one of these.
+    Their names are corner and direction, such as "left front x": left is -x, front is -y. For other guides give a list of `GuideSurface`;
+    ``dataclasses.replace`` changes a single surface.
 
     Args:
         facing_x: half distances along x and y between the middles of the surfaces on which the slide presses along x [m].
-        facing_y: half distances between those on which it presses along y [m].
-        length: of each surface along the guide [m].
-        width: of each across it [m].
-        stiffness: of each [N/m].
-        preload: of each [N].
-        clearance: of each [m].
-        middle: of their length, above the slide link's origin [m].
+        facing_y: half distances along x and y between the middles of the surfaces on which the slide presses along y [m].
+        length: length of each surface along the guide [m].
+        width: width of each surface across the guide [m].
+        stiffness: stiffness of each surface [N/m].
+        preload: preload of each surface [N].
+        clearance: clearance of each surface [m].
+        middle: middle of the surfaces' length, above the slide link's origin [m].
 
     Raises:
-        PinpressError: a number is not as `GuideSurface` takes it.
+        PinpressError: as `GuideSurface`.
 
     Warns:
-        PinpressWarning: as `GuideSurface`, once for all.
+        PinpressWarning: as `GuideSurface`, once for all eight surfaces.
     """
     surfaces, height = [], number("middle", middle, "m")
     for axis, (name, given) in enumerate((("facing_x", facing_x), ("facing_y", facing_y))):
@@ -135,14 +135,14 @@ def eight_way_guide(
                 normal = (right, 0.0, 0.0) if axis == 0 else (0.0, back, 0.0)
                 point = (right * float(x), back * float(y), height)
                 label = f"{side} {end} {'xy'[axis]}"
-                with cautions_collected():  # of the eight alike one says it, below
+                with cautions_collected():  # one warning for all eight surfaces is given below
                     surfaces.append(GuideSurface(label, point, normal, length, width, stiffness, preload, clearance))
     _caution_units("eight_way_guide", surfaces[0].preload, surfaces[0].clearance)
     return tuple(surfaces)
 
 
 def _caution_units(what: str, preload: float, clearance: float) -> None:
-    """Warn of a preload [N] or a clearance [m] of a surface that may be in other units."""
+    """Warn if the unit of a surface's preload [N] or clearance [m] is probably wrong."""
     if 0 < preload < FAINT:
         caution(f"{what}: preload is {preload:g} N: if kN are meant, write {preload:g}e3")
     if clearance > WIDEST:
@@ -151,13 +151,13 @@ def _caution_units(what: str, preload: float, clearance: float) -> None:
 
 @dataclass(frozen=True, repr=False)
 class OpenSurface(Record, units={"begins": "rad", "ends": "rad", "least_contact": "-"}):
-    """A stretch of a motion over which a surface does not touch along its whole length.
+    """A part of a motion in which a surface is not in contact along its whole length.
 
     Attributes:
-        surface: its name.
-        begins: crank angle of the first such state; of a driver that slides its position [m].
-        ends: of the last one.
-        least_contact: least share of its length that touches; 0: it is free.
+        surface: name of the surface.
+        begins: crank angle of the first such state [rad]; position of a sliding driver [m].
+        ends: crank angle of the last such state [rad]; position of a sliding driver [m].
+        least_contact: smallest share of the surface's length in contact; 0: no contact.
     """
 
     surface: str
@@ -168,7 +168,7 @@ class OpenSurface(Record, units={"begins": "rad", "ends": "rad", "least_contact"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadedGuide(OfPress, Tabular):
-    """The surfaces of a slide's guide over the n states of a motion. All arrays are read-only.
+    """The surfaces of a slide's guide in the n states of a motion. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
@@ -176,12 +176,12 @@ class LoadedGuide(OfPress, Tabular):
         surfaces: the surfaces.
         force: name of a surface -> (n,) force with which it presses on the slide, against its normal [N].
         pressure: name of a surface -> (n,) largest pressure on it [Pa].
-        contact: name of a surface -> (n,) share of its length that touches [-].
+        contact: name of a surface -> (n,) share of its length in contact [-].
         shift: (n, 3) displacement of the slide link's origin across the guide, in world axes [m].
-        rotation: (n, 3) rotation of the slide, as a vector in world axes [rad]: about the guide's axis it turns, about the others it tilts.
+        rotation: (n, 3) rotation vector of the slide in world axes [rad]; its components across the guide's axis are the tilt.
         guide_force: (n, 3) force of the guide on the slide across its axis, in world axes [N].
         guide_moment: (n, 3) moment of the guide on the slide about the slide link's origin, in world axes [N m].
-        opened: the stretches over which surfaces do not touch along their whole length, in the order of the surfaces.
+        opened: parts of the motion in which a surface is not in contact along its whole length, in the order of the surfaces.
     """
 
     _press: Linkage
@@ -207,8 +207,8 @@ class LoadedGuide(OfPress, Tabular):
         )
 
     def columns(self) -> dict[str, Array]:
-        """A row for each state: crank angle, then force, pressure and share in touch of each surface, place of the slide, force and moment
-        of the guide."""
+        """A row for each state: crank angle; force, pressure and contact share of each surface; position of the slide; force and moment of
+        the guide."""
         columns = {"{} [{}]".format(*self.motion.driver_coordinates[0].heads[0]): self.motion.crank_angle}
         columns |= {f"force_{name} [N]": values for name, values in self.force.items()}
         columns |= {f"pressure_{name} [Pa]": values for name, values in self.pressure.items()}
@@ -221,22 +221,23 @@ class LoadedGuide(OfPress, Tabular):
 def guide_contact(
     press: Linkage, reactions: Reactions, surfaces: Sequence[GuideSurface], *, offset: Sequence[float] = (0.0, 0.0, 0.0)
 ) -> LoadedGuide:
-    """Share the force and the moments of the slide's guide among its surfaces.
+    """Find how the surfaces of the slide's guide share its force and moments.
 
-    The forces are those of the rigid press. In a planar press the links take no moment across its plane, so that the guide has all of it.
+    The forces of the guide are those of the rigid press. In a planar press the links carry no moments out of the plane, so the guide
+    carries them all.
 
     Args:
         press: a press with a slide whose guide the frame carries.
-        reactions: of `inverse_dynamics` of this press, with all loads; forces off the slide's axis as `PointForce`.
-        surfaces: of the slide's guide, such as `eight_way_guide` makes.
-        offset: (3,) how far from `Linkage.tool` the process loads act, in world axes [m].
+        reactions: reactions from `inverse_dynamics` of this press, with all loads; give forces off the slide's axis as `PointForce`.
+        surfaces: surfaces of the slide's guide, e.g. from `eight_way_guide`.
+        offset: (3,) offset of the process loads from `Linkage.tool`, in world axes [m].
 
     Raises:
         PinpressError: the press has no slide, a surface does not face across its guide, the reactions are of a press with other joints or
-            lengths, the surfaces do not hold the slide, or parallel rods share moments with the guide that rigid mechanics leaves open.
+            lengths, the surfaces do not hold the slide, or parallel rods share moments with the guide (statically indeterminate).
 
     Warns:
-        PinpressWarning: a surface or the offset is so far off that it may be in mm.
+        PinpressWarning: a surface or the offset is so far away that its unit may be mm.
     """
     surfaces = tuple(surfaces)
     across, shift = _checked(press, surfaces), suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,))
@@ -246,7 +247,7 @@ def guide_contact(
         raise PinpressError(f"guide_contact: offset is {shown(offset)} m; give numbers of at most {LARGEST:g} m")
     force, moment = _on_guide(press, reactions, shift)
     bed = _Bed.of(surfaces, across, press.slide_direction)
-    load = np.column_stack([-force @ across.T, -moment])  # of the slide on its guide
+    load = np.column_stack([-force @ across.T, -moment])  # action of the slide on its guide
     places = _settled(bed, load, reactions.motion, press.name)
     touching = bed.touching(places)
     names = [surface.name for surface in surfaces]
@@ -305,7 +306,9 @@ def _on_guide(press: Linkage, reactions: Reactions, offset: Array) -> tuple[Arra
     force = np.array(reactions.bearing_force[guide])
     joint, origin = point_on_body(press, slide, np.zeros(3), "the slide", "origin")
     if press.model.parents[joint] != 0:
-        raise PinpressError(f"the guide {shown(guide)} of {press.name} is not on the frame: its surfaces move, and are not looked at")
+        raise PinpressError(
+            f"the guide {shown(guide)} of {press.name} is not on the frame, so its surfaces move: give a guide on the frame"
+        )
     middle = press.model.jointPlacements[joint].rotation @ origin
     moment = reactions.bearing_moment[guide] - np.cross(middle, force)
     added = -np.cross(offset, reactions.process_force[:, None] * press.slide_direction)
@@ -329,7 +332,7 @@ def _on_guide(press: Linkage, reactions: Reactions, offset: Array) -> tuple[Arra
 
 
 class _Touching(NamedTuple):
-    """Compression at the middle (n, S) of S surfaces [m], its slope along the guide, and from where to where each touches [m]."""
+    """Compression (n, S) at the middle of S surfaces [m], its slope along the guide, and the two ends of the contact [m]."""
 
     middle: Array
     slope: Array
@@ -338,14 +341,14 @@ class _Touching(NamedTuple):
 
 
 class _Bed(NamedTuple):
-    """The surfaces as beds of springs; a place of the slide is two shifts across the guide and three rotations.
+    """The surfaces as Winkler foundations. A position of the slide is two displacements across the guide and three rotations.
 
     Attributes:
-        stiffness: (S,) [N/m].
-        length: (S,) [m].
-        begin: (S,) compressions where the slide stands in its place [m].
-        shift: (S, 5) compression of the middle by the place of the slide.
-        tilt: (S, 5) slope of the compression by that.
+        stiffness: (S,) stiffness of the surfaces [N/m].
+        length: (S,) length of the surfaces [m].
+        begin: (S,) compression with the slide in its nominal position [m].
+        shift: (S, 5) derivative of the compression at the middle by the position of the slide.
+        tilt: (S, 5) derivative of the compression's slope by the position of the slide.
     """
 
     stiffness: Array
@@ -366,7 +369,7 @@ class _Bed(NamedTuple):
         return cls(stiffness, length, begin, shift, tilt)
 
     def touching(self, places: Array) -> _Touching:
-        """At places (n, 5) of the slide."""
+        """The contact at positions (n, 5) of the slide."""
         middle, slope = self.begin + places @ self.shift.T, places @ self.tilt.T
         half = np.broadcast_to(0.5 * self.length, middle.shape)
         with np.errstate(all="ignore"):
@@ -375,23 +378,23 @@ class _Bed(NamedTuple):
         return _Touching(middle, slope, low, np.where(slope < 0, np.clip(zero, -half, half), half))
 
     def _moments(self, places: Array) -> tuple[_Touching, tuple[Array, Array, Array]]:
-        """Where they touch, and the integrals (n, S) of 1, s and s^2 over that."""
+        """The contact, and the integrals (n, S) of 1, s and s^2 over the length in contact."""
         at = self.touching(places)
         return at, ((at.high - at.low), (at.high**2 - at.low**2) / 2, (at.high**3 - at.low**3) / 3)
 
     def forces(self, places: Array) -> Array:
-        """(n, S) [N]."""
+        """Forces (n, S) of the surfaces at positions (n, 5) of the slide [N]."""
         at, (one, s, _) = self._moments(places)
         return np.asarray(self.stiffness / self.length * (at.middle * one + at.slope * s))
 
     def energy(self, places: Array) -> Array:
-        """(n,) [J]."""
+        """Elastic energy (n,) at positions (n, 5) of the slide [J]."""
         at, (one, s, ss) = self._moments(places)
         squares = at.middle**2 * one + 2 * at.middle * at.slope * s + at.slope**2 * ss
         return np.asarray(0.5 * squares @ (self.stiffness / self.length))
 
     def slopes(self, places: Array) -> tuple[Array, Array]:
-        """Gradient (n, 5) and second derivatives (n, 5, 5) of the energy."""
+        """Gradient (n, 5) and Hessian (n, 5, 5) of the energy."""
         at, (one, s, ss) = self._moments(places)
         each = self.stiffness / self.length
         gradient = (each * (at.middle * one + at.slope * s)) @ self.shift + (each * (at.middle * s + at.slope * ss)) @ self.tilt
@@ -400,20 +403,20 @@ class _Bed(NamedTuple):
         return gradient, hessian + np.einsum("ns,si,sj->nij", each * ss, self.tilt, self.tilt)
 
     def scales(self) -> Array:
-        """(5,) stiffness of all surfaces together against each part of a place."""
+        """(5,) stiffness of all surfaces together against each component of a position."""
         whole = self.stiffness @ (self.shift**2 + (self.length**2)[:, None] / 12 * self.tilt**2)
         lever = max(float(np.abs(self.shift[:, 2:]).max()), float(self.length.max()))
         return np.asarray(np.maximum(whole, self.stiffness.sum() * np.array([1.0, 1.0, *(3 * [lever**2])]) * ACROSS))
 
 
 def _settled(bed: _Bed, load: Array, motion: Motion, press_name: str) -> Array:
-    """Places (n, 5) of the slide at which the surfaces carry loads (n, 5).
+    """Positions (n, 5) of the slide at which the surfaces carry loads (n, 5).
 
-    A slide that floats in its clearances is held in the middle, by springs that are a billionth of the surfaces'.
+    Centring springs, a billionth as stiff as the surfaces, keep a slide that floats in its clearances in the middle.
     """
     scale = np.sqrt(bed.scales())
     centring = HELD * np.ones(5)
-    scaled_load = load / scale  # places are counted in units in which each part is as stiff as the others
+    scaled_load = load / scale  # positions are scaled so that all components are equally stiff
     scaled = bed._replace(shift=bed.shift / scale, tilt=bed.tilt / scale)
     x = np.zeros_like(scaled_load)
     size = np.abs(scaled_load).max(axis=1) + np.abs(scaled.stiffness * bed.begin).max() * np.abs(scaled.shift).max() + 1e-300
@@ -440,7 +443,7 @@ def _settled(bed: _Bed, load: Array, motion: Motion, press_name: str) -> Array:
             share[steep] *= 0.5
         x[left] += share[:, None] * step
     pulled = np.abs(centring * x).max(axis=1) > LEFT * size
-    pulled[left] = True  # so far away that it is all rounding
+    pulled[left] = True  # so far away that only rounding errors remain
     if pulled.any():
         raise PinpressError(
             f"at {motion.place(int(np.argmax(pulled)))} the surfaces do not hold the slide of {press_name} against force and moment on it:"

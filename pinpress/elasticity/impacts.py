@@ -1,7 +1,7 @@
-"""What a pin with clearance does turn by turn: the journal's orbit, its impacts, their spread, and an estimate of the wear.
+"""A pin with clearance in each turn: the journal's orbit, its impacts and their scatter, and an estimate of the wear.
 
 A journal that loses contact strikes again in every turn, and small differences grow from impact to impact. Single peaks then mean little;
-what repeats is their distribution over many turns and many starts.
+their distribution over many turns and many starts is reproducible.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ from ..simulation.elastic.states import SolutionStates, journal_places, solution
 from ..simulation.elastic.yielding import bearing_number
 from ..simulation.simulate import simulate
 
-INTERVALS = 24  # of a panel of the solution, between which orbit, forces and wear are sampled
-TURN_COLUMNS = ("start", "turn", "peak", "depth", "impacts", "flight")  # of a turn in `_impacts_by_turn`
+INTERVALS = 24  # equal intervals of a panel of the solution; orbit, forces and wear are sampled at their ends
+TURN_COLUMNS = ("start", "turn", "peak", "depth", "impacts", "flight")  # columns of a turn in `_impacts_by_turn`
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImpactsByTurn(OfPress, Tabular):
-    """A pin with clearance over the whole turns of one or several runs. All arrays are read-only.
+    """A pin with clearance in the whole turns of one or several runs. All arrays are read-only.
 
     Attributes:
         press_name: name of the linkage.
         bearing: name of the pin.
-        radial: its radial clearance [m].
+        radial: radial clearance of the pin [m].
         start: (t,) number of the run that each turn belongs to, from 0.
-        turn: (t,) number of the turn in its run, from 0; turns of settling are counted too, but not listed.
+        turn: (t,) number of the turn in its run, from 0; settling turns are counted but not listed.
         peak: (t,) largest force of the turn [N].
         depth: (t,) largest distance of the two centres less the radial clearance [m]; negative if the journal does not touch in the turn.
         impacts: (t,) number of times that the journal touches the bearing after a flight.
         flight: (t,) share of the turn in which the journal does not touch the bearing [-].
-        orbit: (m, 2) places of the journal's centre from that of the bearing, in the two axes of the plane, over the listed turns of the
-            first run [m].
+        orbit: (m, 2) positions of the journal's centre relative to the bearing's centre, along the two axes of the plane, in the listed
+            turns of the first run [m].
     """
 
     _press: Linkage
@@ -97,11 +97,11 @@ def journal_impacts(run: ElasticRun, bearing: str) -> ImpactsByTurn:
     """The impacts of a pin with clearance in a run.
 
     Args:
-        run: of at least one whole turn, from `simulate` with clearances.
+        run: run of `simulate` with clearances, of at least one whole turn.
         bearing: name of the pin.
 
     Raises:
-        PinpressError: the run has no whole turn, or the pin no clearance.
+        PinpressError: the run has no whole turn, or the pin has no clearance.
         UnknownNameError: the linkage has no such bearing.
     """
     return _joined([_impacts_by_turn(run, bearing, 0, 0)])
@@ -119,7 +119,7 @@ def impact_statistics(
     starts: int = 4,
     loads: Sequence[Load] = (),
 ) -> ImpactsByTurn:
-    """The impacts of a pin with clearance over many turns of several runs, whose first crank angles are spread evenly over a turn.
+    """The impacts of a pin with clearance over many turns of several runs, whose initial crank angles are evenly spaced over a turn.
 
     If the motion is chaotic, single impacts mean little, but their distribution does.
 
@@ -127,14 +127,14 @@ def impact_statistics(
         press: a press with one driver.
         elastic: an `Elastic` with a clearance of this pin.
         bearing: name of the pin.
-        speed: of the crank [rad/s].
+        speed: speed of the crank [rad/s].
         turns: counted turns of each run.
-        settling: turns before them that are not counted.
+        settling: settling turns of each run before the counted turns.
         starts: number of runs.
         loads: as in `simulate`.
 
     Raises:
-        PinpressError: a number is out of range; else as `simulate`.
+        PinpressError: a number is out of range; also as `simulate`.
         UnknownNameError: the linkage has no such bearing.
     """
     counted, settled = whole_number("turns", turns, 1, 10_000), whole_number("settling", settling, 0, 10_000)
@@ -154,18 +154,19 @@ def impact_statistics(
 
 @typed
 def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, hardness: float, coefficient: float) -> float:
-    """Estimate the mean depth that wears off the bearing of a pin in an hour, by Archard's law [m/h].
+    """Estimate the mean wear depth of a pin's bearing per hour, by Archard's law [m/h].
 
-    The worn volume is coefficient x sum of force x sliding way / hardness (Archard 1953), spread over the bearing's surface 2 pi radius
-    width. The coefficient scatters by a factor of ten with lubrication and dirt: the result compares designs, it does not predict the life.
+    The worn volume is coefficient x integral of force over sliding distance / hardness (Archard 1953), spread over the bearing's surface 2
+    pi radius width. The coefficient scatters by a factor of ten with lubrication and dirt, so the result can compare designs but cannot
+    predict the life.
 
     Args:
         run: an elastic run, or steady state.
         bearing: name of the pin.
-        radius: of the journal [m].
-        width: of the bearing [m].
-        hardness: of the softer part [N/m2]; 1e9 for bronze of about 100 HB.
-        coefficient: Archard's wear coefficient k [-]; 1e-8 to 1e-6 where a film lubricates, 1e-4 and more where it is dry.
+        radius: radius of the journal [m].
+        width: width of the bearing [m].
+        hardness: hardness of the softer part [N/m2]; 1e9 for bronze of about 100 HB.
+        coefficient: Archard's wear coefficient k [-]; 1e-8 to 1e-6 with a lubricating film, 1e-4 and more without lubrication.
 
     Raises:
         PinpressError: a number is not positive, the bearing is a guide, or the press moves in space.
@@ -184,7 +185,7 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
         raise PinpressError(f"{press.name} moves in space: wear is estimated for pins of planar presses alone")
     states = _samples(segment)
     first, second = bodies_of(sprung, place)
-    rates = states.bodies.rates  # of two places and an angle of each body
+    rates = states.bodies.rates  # each body has the rates of two coordinates and an angle
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
     force = np.linalg.norm(states.forces.in_bearings[place], axis=1)
     volume = k / h * float(np.trapezoid(force * sliding, states.times))
@@ -192,8 +193,8 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
 
 
 def _samples(segment: ElasticSegment) -> SolutionStates:
-    """States at equal steps of each panel, its two ends among them. Panels end where a journal touches or leaves its bearing, so both
-    sides of such an instant are there."""
+    """States in equal steps of each panel, with both of its ends. A panel ends where a journal touches or leaves its bearing, so the states
+    include both sides of such an instant."""
     share = np.linspace(0.0, 1.0, INTERVALS + 1)
     return solution_states(segment.solution, np.repeat(np.arange(segment.steps), len(share)), np.tile(share, segment.steps))
 
@@ -208,12 +209,12 @@ def _impacts_by_turn(run: ElasticRun, bearing: str, start: int, settling: int) -
     turns = int(np.floor(turned[-1] + 1e-9))
     if turns - settling < 1:
         raise PinpressError(f"the run of {segment.end:g} s has {turns} whole turns: give one with more than {settling}")
-    offset = journal_places(segment.solution.equations.sprung, pin, states.bodies)  # complex, from the bearing's centre
+    offset = journal_places(segment.solution.equations.sprung, pin, states.bodies)  # complex, relative to the bearing's centre
     force = np.linalg.norm(states.forces.in_bearings[pin.bearing], axis=1)
     depth = np.abs(offset) - pin.clearance.radial
     turn = np.minimum(turned, turns - 1e-9).astype(int)  # the run's last instant belongs to its last whole turn
     turn[turned > turns + 1e-9] = turns
-    # Between two samples the journal touches or flies: at an instant of touching itself only rounding would tell.
+    # contact is decided between two samples, because at the instant of contact rounding errors would decide
     between = np.flatnonzero(np.diff(states.times) > 0)
     lengths, touches, turn_between = np.diff(states.times)[between], depth[between] + depth[between + 1] > 0, turn[between]
     strikes = np.append(False, touches[1:] & ~touches[:-1])

@@ -1,11 +1,12 @@
 """The slide of an elastic press: its deflection over a motion, and its bottom dead centre over the speed.
 
-The deflection is the displacement of the slide against the table along the guide's axis, positive along the axis (upwards), relative to the
-rigid press at that crank angle. It is of first order, by virtual work, see `compliance`. It does not contain the slide's own vibrations:
-internal forces are those of the rigid press in its motion (quasi-static deflection, for speeds well below the first natural frequency).
+The deflection is the displacement of the slide relative to the table along the guide's axis, positive along the axis (upwards), compared
+with the rigid press at the same crank angle. It is a first-order result by virtual work, see `compliance`. It is quasi-static: the internal
+forces are those of the rigid press in its motion, and vibrations of the slide are not included. So the speed must be well below the first
+natural frequency.
 
-Inertia forces grow with the square of the speed: at a given crank angle the deflection of a press at constant speed w is d0 + w^2 d2, where
-d0 is caused by weight and other constant forces.
+Inertia forces grow with the square of the speed: at a given crank angle the deflection at a constant speed w is d0 + w^2 d2. Weight and
+other constant forces cause d0.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ from ..loads.pneumatics import BalanceCylinder
 from .springs import Stiffness, springs_of
 from .unit_load import HeldPress, hold
 
-WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, where the elastic one is looked for [rad]
-NODES = 24  # nodes of the polynomials in this window
+WINDOW = np.radians(6.0)  # half width of the window around the rigid bottom dead centre in which the elastic one is searched [rad]
+NODES = 24  # Chebyshev nodes in this window
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,25 +58,25 @@ class DeflectedSlide(Tabular):
         return f"DeflectedSlide of {self.motion.linkage}: {len(self.deflection)} states, {low:.4g} to {high:.4g} m"
 
     def columns(self) -> dict[str, Array]:
-        """A row for each state: crank angle, or those of all drivers, slide position, deflection and the parts' shares."""
+        """A row for each state: crank angle (or coordinates of all drivers), slide position, deflection and the parts' shares."""
         columns = self.motion.position_columns() | {"slide_position [m]": self.slide_position}
         return columns | {"deflection [m]": self.deflection} | {f"deflection_{name} [m]": part for name, part in self.parts.items()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ElasticDeadCentre(OfPress, Tabular):
-    """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
+    """Bottom dead centre of an elastic press over S speeds. Negative is deeper. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
         speed: (S,) speeds of the crank [rad/s].
         rigid_angle: crank angle at bottom dead centre of the rigid press [rad].
-        rigid_position: position of its slide there [m].
+        rigid_position: slide position of the rigid press at its bottom dead centre [m].
         constant: deflection d0 under weight and constant forces at this crank angle [m].
-        by_squared_speed: deflection by inertia at this crank angle, divided by the squared speed of the crank, d2 [m s2/rad2].
-        crank_angle: (S,) crank angles at true bottom dead centre, where the elastic slide is lowest [rad].
-        position: (S,) positions of the elastic slide there [m].
-        standstill_position: position of the elastic slide at true bottom dead centre of a press that turns infinitely slowly [m].
+        by_squared_speed: deflection d2 by inertia at this crank angle / squared crank speed [m s2/rad2].
+        crank_angle: (S,) crank angles at the elastic bottom dead centre, where the elastic slide is lowest [rad].
+        position: (S,) positions of the elastic slide at these angles [m].
+        standstill_position: position of the elastic slide at the elastic bottom dead centre of a press that turns infinitely slowly [m].
     """
 
     _press: Linkage
@@ -95,7 +96,7 @@ class ElasticDeadCentre(OfPress, Tabular):
 
     @property
     def shift(self) -> Array:
-        """(S,) shift of bottom dead centre by the speed: its true position minus that at standstill [m]."""
+        """(S,) shift of bottom dead centre by the speed: position minus standstill_position [m]."""
         return self.position - self.standstill_position
 
     @property
@@ -118,7 +119,7 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
     """Find the elastic deflection of the slide over a motion, under loads, weight and inertia.
 
     Args:
-        press: a press with a slide, and one driver or several, which are held where the motion has them.
+        press: a press with a slide, and one or several drivers, which are held at their coordinates in the motion.
         motion: a motion of this press, from `cycle`, `servo_cycle` or a run.
         stiffness: stiffnesses of its parts.
         loads: as for `inverse_dynamics`.
@@ -147,8 +148,8 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
 
     Raises:
         UnknownNameError: as `compliance`.
-        PinpressError: as `compliance`, or a speed is not finite, a load depends on the speed, the press is so soft that it has no bottom
-            dead centre within 6 degrees of the rigid one, or its slide repeats its motion before the other links do.
+        PinpressError: as `compliance`, or a speed is not finite, a load depends on the speed, the press is too soft to have a bottom dead
+            centre within 6 degrees of the rigid one, or the slide has a shorter period than the other links.
     """
     press.refuse_sliding_driver("the dead centre moves with the speed of a crank; see slide_deflection of a motion")
     speeds = _speeds(speed)
@@ -190,7 +191,7 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
 
 
 def _minimum(press: Linkage, total: Array, speed: float) -> tuple[float, float]:
-    """Place and value of the minimum of a Chebyshev series inside (-1, 1).
+    """Argument and value of the minimum of a Chebyshev series inside (-1, 1).
 
     Raises:
         PinpressError: the minimum is at an end.
@@ -212,8 +213,8 @@ def _total(held: HeldPress, loads: Sequence[Load]) -> Array:
 
 
 def _refuse_open_joints(at_rest: HeldPress, in_motion: HeldPress, loads: Sequence[Load], fastest: float) -> None:
-    """Raise PinpressError where a preloaded joint opens near bottom dead centre at the fastest speed [rad/s]: deflections then no longer go
-    with the square of the speed."""
+    """Raise PinpressError if a preloaded joint opens near bottom dead centre at the fastest speed [rad/s], because then deflections are no
+    longer linear in the squared speed."""
     if not any(part.joint for part in at_rest.springs):
         return
     for part, still, turning in zip(at_rest.springs, at_rest.in_motion(loads), in_motion.in_motion(loads), strict=True):
@@ -231,7 +232,7 @@ def _series(press: Linkage, values: Array) -> Array:
     """
     coefficients = np.asarray(chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
     coefficients[0] *= 0.5
-    # The last coefficients are about the error.
+    # the last coefficients estimate the error
     if not np.abs(coefficients[-3:]).max() <= 1e-9 * max(np.abs(coefficients).max(), np.finfo(float).tiny):
         raise PinpressError(f"{press.name} moves too unevenly near bottom dead centre to find its shift: the linkage is close to locking")
     return coefficients

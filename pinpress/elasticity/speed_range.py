@@ -1,8 +1,8 @@
-"""A press on its springs over its range of speeds: where the orders of its strokes meet natural frequencies, and its strokes themselves.
+"""An elastic press over its range of speeds: the speeds at which orders of the stroke meet natural frequencies, and the strokes themselves.
 
-At constant speed all forces repeat with the stroke. Their harmonics, the orders, have 1, 2, 3, ... times its frequency, and where one of
-them meets a natural frequency the press resonates. The Campbell diagram shows both over the speed. How strongly an order shakes the press
-it does not say; that is in the strokes, each the steady state of the sprung press at one speed, under its loads.
+At constant speed all forces repeat with the stroke. Their harmonics, the orders, have 1, 2, 3, ... times the stroke's frequency. If an
+order meets a natural frequency, the press resonates. The Campbell diagram shows both over the speed, but not how strongly an order excites
+the press. The strokes show this: each is the steady state of the elastic press at one speed, under its loads.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from ..simulation.elastic.run import ElasticRun
 from ..simulation.steady_state import steady_state_near
 from .vibration import ElasticModes, natural_frequencies
 
-MOST_ORDERS = 10_000  # most orders of a diagram, against lists without end
-TOLERANCE = 1e-3  # error of a coordinate as a share of the largest deflection; that of peaks is some hundred times smaller
-STATES = 720  # states of a turn at which the force on the frame is taken
+MOST_ORDERS = 10_000  # most orders of a diagram, to keep its lists finite
+TOLERANCE = 1e-3  # error of a coordinate / largest deflection; the relative error of peaks is about a hundred times smaller
+STATES = 720  # states of a turn in which the force on the frame is computed
 
 
 @dataclass(frozen=True, repr=False)
@@ -38,11 +38,11 @@ class Resonance(Record, units={"speed": "rad/s", "slowest": "rad/s", "fastest": 
     """An order that meets a natural frequency in a range of speeds.
 
     Attributes:
-        mode: number of the mode, the lowest is 1.
-        order: harmonic of the stroke, 1 is the stroke's own.
-        speed: of the crank at which the order meets the mean of the frequency over the turn [rad/s].
-        slowest: lowest speed at which it meets the frequency somewhere in the turn [rad/s].
-        fastest: highest such speed [rad/s].
+        mode: number of the mode; the lowest mode is 1.
+        order: order of the harmonic; 1 is the frequency of the stroke.
+        speed: crank speed at which the order meets the mean of the natural frequency over the turn [rad/s].
+        slowest: lowest crank speed at which the order meets the natural frequency anywhere in the turn [rad/s].
+        fastest: highest such crank speed [rad/s].
     """
 
     mode: int
@@ -56,14 +56,14 @@ class Resonance(Record, units={"speed": "rad/s", "slowest": "rad/s", "fastest": 
 class CampbellDiagram(OfPress, Tabular):
     """Natural frequencies and the orders of the strokes over the speed of the crank. All arrays are read-only.
 
-    The frequencies change with the crank angle, but not with the speed: each mode is a band.
+    The frequencies change with the crank angle, but not with the speed: so each mode is a band.
 
     Attributes:
         press_name: name of the press.
         modes: the natural frequencies over a period.
         speed: (s,) speeds of the crank [rad/s].
         orders: number of orders.
-        resonances: orders that meet a frequency between the lowest and the highest speed, by falling speed.
+        resonances: orders that meet a natural frequency between the lowest and the highest speed, by falling speed.
         turns: turns of the crank in a period; the orders are harmonics of the period.
     """
 
@@ -96,7 +96,7 @@ class CampbellDiagram(OfPress, Tabular):
 
 @typed
 def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int = 20, flywheel: Flywheel | None = None) -> CampbellDiagram:
-    """Find where the orders of the strokes meet natural frequencies of a press on its springs (Campbell diagram).
+    """Find the speeds at which orders of the stroke meet natural frequencies of an elastic press (Campbell diagram).
 
     Args:
         press: a press with one driver that turns fully.
@@ -122,7 +122,7 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ElasticSpeedResponse(OfPress, Tabular):
-    """The strokes that a press on its springs repeats at each of s speeds. All arrays are read-only.
+    """The periodic strokes of an elastic press at s speeds. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
@@ -130,10 +130,10 @@ class ElasticSpeedResponse(OfPress, Tabular):
         speed: (s,) speeds of the crank [rad/s].
         rigid_deepest: bottom dead centre of the rigid press [m].
         deepest: (s,) lowest position of the slide [m].
-        deepest_angle: (s,) crank angle at which it is so deep [rad].
-        peaks: name of a bearing -> (s,) its largest force [N].
-        reverse_force: (s,) largest force with which the linkage pulls the slide in its direction, upwards [N].
-        frame_force: (s,) largest force of linkage, crown and loads on the frame less its mean [N].
+        deepest_angle: (s,) crank angle at this position [rad].
+        peaks: name of a bearing -> (s,) largest force of the bearing [N].
+        reverse_force: (s,) largest pull of the linkage on the slide, upwards along the guide's axis [N].
+        frame_force: (s,) largest force of linkage, crown and loads on the frame, less the mean force [N].
         drive_torque: (s,) largest torque of the drive, forwards or backwards [N m].
         lost: (s,) work lost in the dampers in a period [J].
     """
@@ -157,7 +157,7 @@ class ElasticSpeedResponse(OfPress, Tabular):
 
     @property
     def depth(self) -> Array:
-        """(s,) how far the slide goes below the rigid bottom dead centre [m]."""
+        """(s,) lowest position of the slide below the rigid bottom dead centre [m]."""
         return self.rigid_deepest - self.deepest
 
     def columns(self) -> dict[str, Array]:
@@ -171,9 +171,9 @@ class ElasticSpeedResponse(OfPress, Tabular):
 
 @typed
 def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: Sequence[Load] = ()) -> ElasticSpeedResponse:
-    """Find the stroke that a press on its springs repeats at each of many constant speeds, idle or under loads.
+    """Find the periodic stroke of an elastic press at each of many constant speeds, idle or under loads.
 
-    Peaks are right to about 1e-5 of themselves.
+    The relative error of peaks is about 1e-5.
 
     Args:
         press: a press with one driver that turns fully.
@@ -182,12 +182,12 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
         loads: as in `simulate`; nothing in them may depend on time.
 
     Raises:
-        PinpressError: an argument makes no sense; as `steady_state`.
+        PinpressError: an argument is not as described; also as `steady_state`.
         SimulationError: the press does not repeat its stroke at one of the speeds, which is named.
     """
     speed = rising_speeds("speeds", speeds)
     runs: list[ElasticRun] = []
-    for rate in speed[::-1].tolist():  # the faster, the fewer vibrations in a stroke: panels are only divided on the way
+    for rate in speed[::-1].tolist():  # a faster stroke has fewer vibrations, so from fast to slow panels are only divided
         runs.insert(0, _stroke(press, elastic, rate, loads, runs[0] if runs else None))
     mean = [np.diff(run.time) @ (run.shaking_force[1:] + run.shaking_force[:-1]) / (2 * run.time[-1]) for run in runs]
     frame = [float(np.linalg.norm(run.shaking_force - about, axis=1).max()) for run, about in zip(runs, mean, strict=True)]
@@ -211,7 +211,7 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
 
 
 def _stroke(press: Linkage, elastic: Elastic, speed: float, loads: Sequence[Load], near: ElasticRun | None) -> ElasticRun:
-    """The stroke at a speed, from that at another one; raises `SimulationError` that names the speed."""
+    """The stroke at a speed, starting from the stroke at another speed; raises `SimulationError` that names the speed."""
     drive, points = PrescribedSpeed(speed), STATES * (press.period_turns or 1) + 1
     try:
         run = steady_state_near(near, press, speed, 0.0, drive, None, loads, NONE_GIVEN, points, elastic, TOLERANCE)

@@ -1,9 +1,9 @@
-"""The springs of a press: the parts that yield, and the internal force in each of them over a motion.
+"""The springs of a press: its elastic parts, and the internal force of each part over a motion.
 
-Every part is a spring in series with the rigid linkage, linear except for preloaded joints that open. Its internal force N is found by
-rigid inverse dynamics, so that all results are of first order in the deflections. By virtual work a part with compliance c moves the slide
-by c N . n, where n is its internal force under a unit force on the slide (unit-load method). The sign of N does not matter, because n has
-this sign too. Only the force of a joint has a sign, positive in tension.
+Every part is a spring in series with the rigid linkage, linear except for preloaded joints that open. Its internal force N follows from
+rigid inverse dynamics, so all results are of first order in the deflections. By virtual work a part with compliance c moves the slide by c
+N . n, where n is its internal force under a unit force on the slide (unit-load method). The sign convention of N does not matter, because n
+has the same convention. Only a preloaded joint needs a sign: positive in tension.
 """
 
 from __future__ import annotations
@@ -45,15 +45,15 @@ from ..simulation.elastic.yielding import (
 
 
 class Spring(NamedTuple):
-    """A part that yields, with the bearings from whose forces its internal force is found.
+    """An elastic part, with the bearings whose forces determine its internal force.
 
     Attributes:
         name: name in tables.
         compliance: compliance of the spring [m/N or rad/(N m)].
         kind: "bearing", "moment", "rod", "shaft" or "frame".
-        bearings: numbers of the bearings whose forces, times weights, sum to the internal force, each with its weight.
-        line: numbers of the two bearings that a rod lies between.
-        joint: the joint with its preload, whose stiffness while closed is that of the spring; None: the part has no joint.
+        bearings: numbers of bearings with weights: the internal force is the sum of weight x bearing force.
+        line: numbers of the two bearings at the ends of a rod.
+        joint: the joint with its preload; while closed it has the stiffness of the spring. None: the part has no joint.
     """
 
     name: str
@@ -64,17 +64,16 @@ class Spring(NamedTuple):
     joint: PreloadedJoint | None = None
 
     def elongations(self, force: Array) -> Array:
-        """Elongations by internal forces (n, 1) or (n, 3), of the same shape [m, rad]; those of a joint are not in proportion to the force
-        where it opens."""
+        """Elongations by internal forces (n, 1) or (n, 3), of the same shape [m, rad]; nonlinear if a joint opens."""
         if self.joint is None:
             return self.compliance * force
         if self.kind != "bearing":
             return self.joint.elongation(force)
-        size = np.linalg.norm(force, axis=1, keepdims=True)  # of a guide: both gibs are alike
+        size = np.linalg.norm(force, axis=1, keepdims=True)  # for a guide: both gibs are equal
         return np.asarray(self.joint.elongation(size) * force / np.where(size > 0, size, 1.0))
 
     def opens(self, force: Array) -> bool:
-        """Whether internal forces, as of `elongations`, open its joint."""
+        """Whether internal forces, as for `elongations`, open the joint."""
         if self.joint is None:
             return False
         signed = np.linalg.norm(force, axis=1) if self.kind == "bearing" else force
@@ -93,7 +92,7 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
         raise PinpressError(f"press is a {type(press).__name__}, no Linkage: give what load returns")
     if not isinstance(stiffness, Stiffness):
         raise PinpressError(f"stiffness is a {type(stiffness).__name__}: give a Stiffness(bearings={{...}}, rods=[...], ...)")
-    _ = press.slide_guide  # raises where there is no slide
+    _ = press.slide_guide  # raises an error if there is no slide
     springs = [_bearing_spring(press, name, value) for name, value in named("bearings", stiffness.bearings).items()]
     springs += [_guide_spring(press, name, value) for name, value in named("moments", stiffness.moments).items()]
     springs += [_rod_spring(press, rod) for rod in rods_of(stiffness)]
@@ -103,7 +102,7 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
         springs.append(Spring(SHAFT, 1 / part_stiffness("the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
         compliance, count = 1 / part_stiffness("the frame", stiffness.frame), len(press.joints)
-        # The bearings on the frame, with the signs of their forces as actions on it.
+        # the bearings on the frame; the signs make their forces act on the frame
         forces = tuple((k, 1.0 if k >= count and press.loops[k - count].joint2 == 0 else -1.0) for k in on_frame(press))
         springs.append(Spring(FRAME, compliance, "frame", forces, joint=_joint(stiffness.frame)))
     doubt_stiffness(press, stiffness)
@@ -116,10 +115,10 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
 
 
 def sharing(press: Linkage, springs: Sequence[Spring]) -> dict[str, float]:
-    """Stiffnesses of bearings for `inverse_dynamics`, by which they share the forces that rigid-body mechanics leaves undetermined.
+    """Stiffnesses of bearings for `inverse_dynamics`, which distribute the statically indeterminate forces.
 
-    Each bearing that yields also gets half of the compliance of the rods that end there. So internal forces that parallel rods exert on
-    each other without a load do no work on the deflections, as in the elastic press.
+    Each elastic bearing also gets half of the compliance of each rod that ends at it. So self-equilibrated forces between parallel rods do
+    no work on the deflections, as in the elastic press.
     """
     compliance = dict.fromkeys(range(len(press.bearings)), 0.0)
     for part in springs:
@@ -134,7 +133,7 @@ def internal_forces(press: Linkage, springs: Sequence[Spring], motion: Motion, r
     Forces of rods and of the frame's columns are positive in tension.
 
     Raises:
-        PinpressError: the bearings of a rod meet.
+        PinpressError: the two bearings of a rod coincide.
     """
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)
@@ -166,13 +165,13 @@ def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) 
 
 
 def _in_plane(press: Linkage) -> Array:
-    """Projector (3, 3) on the plane of a planar press; rigid-body mechanics leaves its forces across the plane undetermined."""
+    """Projector (3, 3) on the plane of a planar press; forces across the plane are statically indeterminate."""
     directions = press.engine_of_one_driver.directions
     return np.asarray(directions.T @ directions)
 
 
 def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) -> Array:
-    """The force (n, 3) in a bearing, in a guide without the component along its axis, where the slide is free."""
+    """The force (n, 3) of a bearing; for a guide, without the component along its axis, because the slide is free along it."""
     if bearing >= len(press.joints) or press.axes[bearing].turns:
         return force
     rotation = poses(press, motion.joint_position).rotation[bearing + 1]
@@ -191,10 +190,10 @@ def _bearing_spring(press: Linkage, name: str, stiffness: float | PreloadedJoint
 
 
 def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
-    """The spring of a guide against turning of the slide."""
+    """The rotational spring of a guide, against rotation of the slide."""
     guide = bearing_number(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
-        raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
+        raise PinpressError(f"moments names {shown(name)}, which is not a guide and carries no moment in the plane: leave it out")
     compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad", STIFFEST)
     return Spring(f"{name} turning", compliance, "moment", ((guide, 1.0),))
 

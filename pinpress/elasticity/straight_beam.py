@@ -31,23 +31,23 @@ def flexible_beam(
 ) -> FlexibleLink:
     """Make the matrices of a straight beam (Euler and Bernoulli) between the two bearings of a link.
 
-    Its mass is spread along it as a parabola, so that mass, centre of mass and moment of inertia are those of the link; for a link of even
-    section it is even. Shear is left out: the beam should be ten times as long as it is high.
+    The mass per length is a parabola along the beam, so that mass, centre of mass and moment of inertia equal those of the link; for a link
+    of uniform section it is constant. Shear deformation is neglected: the beam should be at least ten times as long as high.
 
     Args:
-        press: the linkage, which says how long and how heavy the link is.
+        press: the linkage, which gives length and mass of the link.
         link: name of the link.
         between: names of its two bearings.
-        area: of its section [m2].
-        second_moment: of area of the section, about the axis across the plane [m4].
-        modulus: of elasticity [Pa].
+        area: area of the section [m2].
+        second_moment: second moment of area of the section, about the axis across the plane [m4].
+        modulus: modulus of elasticity [Pa].
         elements: number of finite elements, from 3 to 100.
-        modes: number of vibrations with its bearings held that are kept.
-        damping_ratio: of each vibration of the free link [-].
+        modes: number of normal modes with fixed bearings that are kept.
+        damping_ratio: damping ratio of each vibration of the free link [-].
 
     Raises:
         UnknownNameError: the linkage has no such link or bearing.
-        PinpressError: the link is no such beam, or a number makes no sense.
+        PinpressError: the link is not a straight beam between two bearings, or a number is out of range.
     """
     count, drawn = whole_number("elements", elements, 3, 100), DrawnBodies(press)
     axial = positive("modulus", modulus, "Pa") * positive("area", area, "m2")
@@ -78,7 +78,8 @@ def flexible_beam(
 
 
 def _spread_mass(link: str, mass: float, centre: float, inertia: float, length: float, count: int) -> Array:
-    """Masses (count,) of the elements of a beam, as a parabola, with a given mass, centre from its start, and inertia about that."""
+    """Masses (count,) of the elements of a beam, on a parabola, with a given total mass, centre of mass (from the start) and moment of
+    inertia about it."""
     h, middle = length / count, (np.arange(count) + 0.5) / count
     powers = np.stack([np.ones(count), middle, middle**2])
     moments = np.stack([np.ones(count), middle * length, (middle * length) ** 2 + h**2 / 12])

@@ -1,8 +1,9 @@
 """Elastic compliance of a press at its slide, part by part, by the unit-load method.
 
-The crank is held at its angle. A force F on the slide along its guide, positive along the axis (upwards), with its reaction on the table,
-moves the slide by F c relative to the rigid press. Here c is the sum of n . n / k over all parts, with their stiffnesses k and their
-internal forces n under F = 1 N (Castigliano's second theorem; any textbook of strength of materials). Deflections are of first order.
+The crank is held at its angle. A force F acts on the slide along its guide, positive along the axis (upwards), and its reaction acts on the
+table. It moves the slide by F c relative to the rigid press. The compliance c is the sum of n . n / k over all parts, with their
+stiffnesses k and their internal forces n under F = 1 N (Castigliano's second theorem; see any textbook on strength of materials).
+Deflections are of first order.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load, PointForce
 from .springs import Spring, Stiffness, internal_forces, sharing, springs_of
 
-RIGID = 1e-12  # a compliance below this share of the largest over the motion is rounding
+RIGID = 1e-12  # a compliance below this share of the largest over the motion is a rounding error
 POINTS = 360  # states of a turn
-SOFT = 1e9  # stiffness given to a rigid bearing in order to share forces in another way [N/m]
+SOFT = 1e9  # stiffness of a rigid bearing in a trial that shares forces differently [N/m]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,10 +42,10 @@ class SlideCompliance(OfPress, Tabular):
     Attributes:
         press_name: name of the press.
         stiffness: stiffnesses of its parts.
-        crank_angle: (n,) angle of the driver joint [rad], position of one that slides [m].
+        crank_angle: (n,) angle of the driver joint [rad]; position of a sliding driver [m].
         slide_position: (n,) slide position of the rigid press [m].
         height: (n,) height of the slide above bottom dead centre [m].
-        compliance: (n,) compliance of the slide against the table along the guide, with the crank held [m/N].
+        compliance: (n,) compliance of the slide relative to the table along the guide, with the crank held [m/N].
         parts: name of a part -> (n,) its share of the compliance [m/N].
         bottom_stiffness: stiffness at bottom dead centre [N/m].
         bottom_shares: name of a part -> its share of the deflection at bottom dead centre [-].
@@ -67,27 +68,27 @@ class SlideCompliance(OfPress, Tabular):
 
     @property
     def coordinate(self) -> DriverCoordinate:
-        """What the coordinate of the driver is."""
+        """Kind of the driver's coordinate."""
         return self._held.press.driver_coordinates[0]
 
     @cached_property
     def effective_mass(self) -> Array:
-        """(n,) mass of the slide and of the links that move with it while the press yields, with the crank held [kg].
+        """(n,) effective mass of the slide and of the links that move with it in elastic deflection, with the crank held [kg].
 
         It is twice the kinetic energy at a slide velocity of 1 m/s when everything moves in proportion to the deflection under a force on
-        the slide (Rayleigh's method). It does not include the frame's own mass. It is computed when first asked for.
+        the slide (Rayleigh's method). It does not include the frame's mass. It is computed at the first access.
         """
         return np.asarray(read_only(_moving_mass(self._held) / self.compliance**2))
 
     def largest_parts(self, most: int) -> list[tuple[str, Array]]:
         """Names and compliances (n,) of up to ``most`` parts [m/N], and of all others together as "others".
 
-        The part with the largest share of the compliance at any crank angle comes first. What never reaches 0.5 % of the largest
-        compliance is left out.
+        The part with the largest share of the compliance at any crank angle comes first. Parts that never reach 0.5 % of the largest
+        compliance are left out.
         """
         shares = {name: float((part / self.compliance).max()) for name, part in self.parts.items()}
-        visible = 5e-3 * float(self.compliance.max())  # thinner than a line in a chart
-        ranked = sorted(self.parts.items(), key=lambda item: -round(shares[item[0]], 9))  # equal ones differ by rounding
+        visible = 5e-3 * float(self.compliance.max())  # a smaller part would be thinner than a line of the chart
+        ranked = sorted(self.parts.items(), key=lambda item: -round(shares[item[0]], 9))  # equal shares differ by rounding errors
         named = [(name, part) for name, part in ranked if part.max() >= visible][:most]
         rest = self.compliance - np.sum([part for _, part in named], axis=0)
         return [*named, ("others", np.maximum(rest, 0.0))] if rest.max() >= visible else named
@@ -106,19 +107,19 @@ class SlideCompliance(OfPress, Tabular):
 def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None = None) -> SlideCompliance:
     """Find the compliance of a press at its slide over the crank angle, and the share of each part.
 
-    Where parallel rods hold the slide, they share the force by their stiffnesses and those of their bearings. The moment of a guide, or an
-    arm of a link with more than two bearings, cannot take part in this sharing; a press in which it would is refused.
+    Parallel rods on the slide share the force by their stiffnesses and those of their bearings. The moment of a guide, or the arm of a link
+    with more than two bearings, cannot take part in this sharing; for a press that needs it an error is raised.
 
     Args:
         press: a press with one driver and a slide.
         stiffness: stiffnesses of its parts.
-        angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out. Positions of a driver that slides [m]; by
+        angle: (n,) crank angles [rad]; by default 360 per turn over one period, without its end. For a sliding driver positions [m]; by
             default 361 over its travel.
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: a stiffness is not as described, the press has several drivers or no dead centres, nothing yields at some crank
-            angle, or a guide's moment or an arm would share forces with parallel rods.
+        PinpressError: a stiffness is not as described, the press has several drivers or no dead centres, no part in the line of force is
+            elastic at a crank angle, or a guide's moment or an arm would share forces with parallel rods.
         SingularityError: the linkage locks.
     """
     springs = springs_of(press, stiffness)
@@ -155,13 +156,13 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HeldPress:
-    """An elastic press in the poses of a motion, with its drivers held where they are in each.
+    """An elastic press in the poses of a motion, with its drivers held in each pose.
 
     Attributes:
         press: the press.
-        springs: its parts that yield.
+        springs: its elastic parts.
         motion: the motion.
-        shared: stiffnesses by which bearings share forces, see `springs.sharing`.
+        shared: stiffnesses that determine how bearings share forces, see `springs.sharing`.
     """
 
     press: Linkage
@@ -176,7 +177,7 @@ class HeldPress:
 
     @cached_property
     def size(self) -> float:
-        """Size of a trial load whose effect is not lost in rounding of weight and inertia [N]."""
+        """Size of a trial load that is large compared with rounding errors of weight and inertia [N]."""
         return max([1.0, *(float(np.abs(force).max()) for force in self.unloaded)])
 
     @cached_property
@@ -185,10 +186,10 @@ class HeldPress:
         return self.under(str(self.press.slide), self.press.slide_direction, self.press.tool.point)
 
     def under(self, link: str, direction: Array, point: Array) -> list[Array]:
-        """Internal forces that 1 N adds, which are linear in loads [N, N m].
+        """Additional internal forces under 1 N; internal forces are linear in the loads [N, N m].
 
         Args:
-            link: name of the link on which it acts.
+            link: name of the link on which the force acts.
             direction: (3,) unit vector in world axes.
             point: (3,) point in the link's own frame [m].
         """
@@ -196,10 +197,10 @@ class HeldPress:
         return [(loaded - none) / self.size for loaded, none in zip(self.in_motion([load]), self.unloaded, strict=True)]
 
     def moved(self, forces: Sequence[Array]) -> dict[str, Array]:
-        """Name of a part -> (n,) the slide's displacement by the part under internal forces [m].
+        """Name of a part -> (n,) displacement of the slide by the deflection of this part under internal forces [m].
 
         Raises:
-            PinpressError: a preloaded joint opens that shares forces with other parts by its stiffness.
+            PinpressError: a preloaded joint opens, and its stiffness determines how parts share forces.
         """
         if self.press.engine_of_one_driver.redundant(self.press.closed):
             for part, force in zip(self.springs, forces, strict=True):
@@ -233,10 +234,11 @@ def hold(press: Linkage, springs: tuple[Spring, ...], motion: Motion) -> HeldPre
 
 
 def _refuse_unshared(held: HeldPress) -> None:
-    """Raise PinpressError where idle forces do work on the deflections, so that the forces found are not those of the elastic press.
+    """Raise PinpressError if self-equilibrated forces do work on the deflections: then the computed forces are not those of the elastic
+    press.
 
-    Idle forces z are the difference between two ways of sharing. With products weighted by compliances the relative error of the deflection
-    is (N . z)^2 / (z . z) / (N . N).
+    Self-equilibrated forces z are the difference between two distributions of the same load. With scalar products weighted by compliances,
+    the relative error of the deflection is (N . z)^2 / (z . z) / (N . N).
     """
     compliances = [part.compliance for part in held.springs]
 
@@ -249,8 +251,8 @@ def _refuse_unshared(held: HeldPress) -> None:
         size = work(idle, idle)
         for forces in (held.unit, held.unloaded):
             done, whole = work(forces, idle), work(forces, forces)
-            loaded = (size > 1e-16 * work(held.unit, held.unit)) & (whole > 0.0)  # less is rounding of forces, squared
-            if np.any(done[loaded] ** 2 > 1e-9 * size[loaded] * whole[loaded]):  # a wrong deflection by this share
+            loaded = (size > 1e-16 * work(held.unit, held.unit)) & (whole > 0.0)  # a smaller square is a rounding error
+            if np.any(done[loaded] ** 2 > 1e-9 * size[loaded] * whole[loaded]):  # relative error of the deflection
                 raise PinpressError(
                     f"parallel rods of {held.press.name} do not share forces by their own springs and those of their bearings alone: make"
                     " both sides alike, or leave out the guides' moments and arms"
@@ -260,8 +262,8 @@ def _refuse_unshared(held: HeldPress) -> None:
 def _moving_mass(held: HeldPress) -> Array:
     """Sum (n,) of mass times squared displacement under 1 N on the slide [kg m2/N2].
 
-    Six equal masses, two on each of its principal axes, have the inertia of a rigid body. Their displacements in world axes are found by
-    unit forces on them.
+    Six equal masses, two on each of its principal axes, have the inertia of a rigid body. Unit forces on these masses give their
+    displacements in world axes.
     """
     press, total = held.press, np.zeros(len(held.motion.crank_angle))
     directions = press.engine_of_one_driver.directions

@@ -1,9 +1,10 @@
-"""Natural vibrations of a press on its springs: frequencies, damping and shapes over the crank angle.
+"""Natural vibrations of an elastic press: frequencies, damping and shapes over the crank angle.
 
-The equations of a sprung press are linear about the rigid pose at each crank angle: M u'' + C u' + K u = 0, with the free coordinates u
-of `SprungPress`. The springs pull nothing there, so that K = sum k g g' with the gradients g of their extensions. The change of the pose
-while the press vibrates is left out: the lowest vibration should be several times as fast as the crank. The crank is held, as by a drive of
-constant speed, or turns with the flywheel on its shaft; then the press moves as a whole too, and this mode without a frequency is left out.
+The equations of an elastic press are linearised about the rigid pose at each crank angle: M u'' + C u' + K u = 0, with the free coordinates
+u of `SprungPress`. The springs are unloaded in this pose, so K = sum k g g' with the gradients g of their elongations. The change of the
+pose during a vibration is neglected: the lowest natural frequency should be several times the crank's frequency. The crank is held, as by a
+drive of constant speed, or turns with the flywheel on its shaft. In the second case there is also a rigid-body mode of frequency zero,
+which is left out.
 """
 
 from __future__ import annotations
@@ -32,28 +33,28 @@ from ..simulation.elastic.press.space import SpaceGeometry, SpaceState
 from ..simulation.elastic.press.sprung_press import SprungPress
 from ..simulation.elastic.yielding import FRAME, link_joint, part_stiffness
 
-MOUNTS = "mounts"  # name of what a frame stands on
+MOUNTS = "mounts"  # name of the springs below a frame
 POINTS = 360  # crank angles of a turn
-APART = 1e-9  # share of the damping between two modes below which each is damped by itself
-NAMED = 3  # parts and links that a mode is named by
+APART = 1e-9  # modes whose mutual damping is a smaller share are damped independently
+NAMED = 3  # parts and links in the name of a mode
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ElasticModes(OfPress, Tabular):
-    """The m lowest free vibrations of a press on its springs at each of n crank angles, by rising frequency. All arrays are read-only.
+    """The m lowest free vibrations of an elastic press at each of n crank angles, by rising frequency. All arrays are read-only.
 
-    Where two frequencies meet over the turn, the curves cross or veer apart; they are numbered by size at each angle.
+    If two frequencies meet over the turn, their curves cross or veer. Modes are numbered by frequency at each angle.
 
     Attributes:
         press_name: name of the press.
         elastic: what yields.
-        flywheel: on the crank that turns freely; None: the crank is held.
-        crank_angle: (n,) [rad].
+        flywheel: flywheel on a crank that turns freely; None: the crank is held.
+        crank_angle: (n,) crank angles [rad].
         natural_frequency: (n, m) undamped natural frequencies [rad/s].
-        damping_ratio: (n, m) damping divided by critical damping, 1 or more for a mode that creeps back [-].
+        damping_ratio: (n, m) damping divided by critical damping, 1 or more for an overdamped mode [-].
         shapes: (n, m, links, 3) undamped shapes: displacement of each moving link's centre of mass along the two axes of the plane [m], and
-            its turn [rad], scaled to a modal mass of 1 kg; of a linkage in space (n, m, links, 6) in world axes, as in `ElasticRun`.
-        strain_energy: name of a part that yields -> (n, m) its share of the strain energy [-].
+            its rotation [rad], scaled to a modal mass of 1 kg; for a linkage in space (n, m, links, 6) in world axes, as in `ElasticRun`.
+        strain_energy: name of an elastic part -> (n, m) its share of the strain energy [-].
         kinetic_energy: name of a link, "crown" or "shaft" -> (n, m) its share of the kinetic energy [-].
     """
 
@@ -67,7 +68,7 @@ class ElasticModes(OfPress, Tabular):
     strain_energy: Mapping[str, Array]
     kinetic_energy: Mapping[str, Array]
     _bottom: float
-    _bending: Array  # (n, m, Q) coordinates of the shapes of flexible links, as `SprungPress` has them
+    _bending: Array  # (n, m, Q) coordinates of the shapes of flexible links, in the order of `SprungPress`
 
     @property
     def title(self) -> str:
@@ -81,7 +82,7 @@ class ElasticModes(OfPress, Tabular):
         return int(apart.argmin())
 
     def words(self, state: int, mode: int) -> tuple[str, str]:
-        """The parts that hold most of a mode's strain energy, and the links that hold most of its kinetic energy, with their shares."""
+        """The parts with most of a mode's strain energy, and the links with most of its kinetic energy, with their shares."""
         return _most(self.strain_energy, state, mode), _most(self.kinetic_energy, state, mode)
 
     def columns(self) -> dict[str, Array]:
@@ -102,13 +103,13 @@ def _most(shares: Mapping[str, Array], state: int, mode: int) -> str:
 def natural_frequencies(
     press: Linkage, elastic: Elastic, *, angle: ArrayLike | None = None, flywheel: Flywheel | None = None
 ) -> ElasticModes:
-    """Find natural frequencies, damping ratios and shapes of a press on its springs over the crank angle.
+    """Find natural frequencies, damping ratios and mode shapes of an elastic press over the crank angle.
 
     Args:
         press: a press with one driver that turns.
         elastic: what yields, as for `simulate`.
-        angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out.
-        flywheel: on the driver's shaft of a crank that turns freely; None: the crank is held, or turns at a constant speed.
+        angle: (n,) crank angles [rad]; by default 360 per turn over one period, without its end.
+        flywheel: flywheel on the driver's shaft of a crank that turns freely; None: the crank is held, or turns at a constant speed.
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
@@ -127,7 +128,7 @@ def natural_frequencies(
     wheel = 0.0 if flywheel is None else flywheel_inertia(flywheel)
     mass[..., -1, -1] += wheel
     squared, shapes = undamped_modes(mass[..., :count, :count], forces.stiffness[:, :count, :count])
-    first = 0 if flywheel is None else 1  # the press that turns as a whole has no frequency
+    first = 0 if flywheel is None else 1  # the rigid-body mode has no frequency
     frequency, shapes = np.sqrt(np.maximum(squared[:, first:], 0.0)), shapes[:, :, first:]
     free = np.zeros((len(angles), sprung.free, shapes.shape[2]))
     free[:, :count] = shapes
@@ -155,7 +156,7 @@ def natural_frequencies(
 
 
 def flywheel_inertia(flywheel: Flywheel) -> float:
-    """Inertia of a flywheel [kg m2]; raises `PinpressError` where it has several."""
+    """Inertia of a flywheel [kg m2]; raises `PinpressError` if it has several."""
     if np.ndim(flywheel.inertia):
         raise PinpressError("flywheel has several inertias: give one, natural frequencies are those of one press")
     return float(flywheel.inertia)
@@ -176,8 +177,8 @@ def _angles(press: Linkage, given: ArrayLike | None) -> Array:
 def _damping_ratios(frequency: Array, shapes: Array, damping: Array) -> Array:
     """(n, m) damping ratios of modes with frequencies (n, m) and shapes (n, f, m).
 
-    Dampers in proportion to the springs damp each mode by itself. Others join the modes; their ratios are those of the eigenvalues of the
-    damped press in first order.
+    Dampers proportional to the springs damp each mode separately. Other dampers couple the modes; then the ratios follow from the
+    eigenvalues of the damped press in first-order form.
     """
     modal = np.swapaxes(shapes, 1, 2) @ damping @ shapes
     diagonal: Array = np.diagonal(modal, axis1=1, axis2=2)
@@ -188,8 +189,8 @@ def _damping_ratios(frequency: Array, shapes: Array, damping: Array) -> Array:
 
 
 def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, moved: Array) -> dict[str, Array]:
-    """Name of a part -> (n, m) twice its strain energy, of displacements (n, m, k). A rod and its pin share by compliance; in space a
-    bearing's turning is a part of its own."""
+    """Name of a part -> (n, m) twice its strain energy, for displacements (n, m, k). A rod and its pin share by compliance; in space the
+    rotation of a bearing is a separate part."""
     press, geometry, springs, energy = sprung.press, sprung.geometry, sprung.springs, dict[str, Array]()
     stored = springs.stiffness * (moved @ geometry.gradient(geometry.strains(state)).swapaxes(1, 2)) ** 2
     rods = {(name, link_joint(press, rod.link) - 1): rod for rod in elastic.stiffness.rods for name in rod.between}
@@ -209,7 +210,7 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, state: BodyState, move
 
 
 def _kinetic_energy(geometry: PlaneGeometry, moved: Array, flywheel: float) -> dict[str, Array]:
-    """Name of a body, or "flywheel" -> (n, m) twice its kinetic energy, of displacements (n, m, k)."""
+    """Name of a body, or "flywheel" -> (n, m) twice its kinetic energy, for displacements (n, m, k)."""
     press = geometry.press
     energy = (geometry.inertia * moved**2)[:, :, : geometry.rigid_size].reshape(*moved.shape[:2], -1, 3).sum(axis=3)
     for link in geometry.flexible:
@@ -233,13 +234,13 @@ def _shares(parts: Mapping[str, Array]) -> FrozenMapping[str, Array]:
 def _shapes_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array) -> Array:
     """(n, m, links, 6) displacements of all moving links of a linkage in space, in world axes, as in `ElasticRun`.
 
-    A shape is a set of rates of all coordinates of the bodies, small displacements from the rigid pose. The matrix of a body changes with
-    them by the derivatives of the matrix, which give the vector of its turn and its kinetic energy.
+    A shape is a small displacement of all coordinates of the bodies from the rigid pose. The derivatives of a body's rotation matrix give
+    its small rotation vector and its kinetic energy.
 
     Args:
-        geometry: of the press on its springs.
+        geometry: geometry of the elastic press.
         state: the n rigid poses.
-        moved: (n, m, k) shapes of m modes by all coordinates.
+        moved: (n, m, k) shapes of m modes in all coordinates.
     """
     press, changed = geometry.press, _changed_matrices(geometry, state, moved)
     n, m = moved.shape[:2]
@@ -251,7 +252,7 @@ def _shapes_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array) -
     for body, joint in enumerate(geometry.joints):
         shapes[:, :, joint - 1] = np.concatenate([straight[:, :, body], turn[:, :, body]], axis=2)
     for joint in range(1, press.model.nv + 1):
-        if joint not in geometry.joints:  # a cross without mass moves with its carrier
+        if joint not in geometry.joints:  # a massless cross moves with its carrier
             body = geometry.joints.index(int(press.model.parents[joint]))
             place = geometry.own_axes[body].T @ (press.model.jointPlacements[joint].translation - geometry.lever[body])
             arm = (matrices[:, 0, body] @ place)[:, None]
@@ -260,7 +261,8 @@ def _shapes_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array) -
 
 
 def _kinetic_energy_in_space(geometry: SpaceGeometry, state: SpaceState, moved: Array, flywheel: float) -> dict[str, Array]:
-    """Name of a link, or "flywheel" -> (n, m) twice its kinetic energy, of shapes as above; ``flywheel``: its inertia [kg m2]."""
+    """Name of a link, or "flywheel" -> (n, m) twice its kinetic energy, for shapes as in `_shapes_in_space`; ``flywheel``: its inertia [kg
+    m2]."""
     changed = _changed_matrices(geometry, state, moved)
     n, m = moved.shape[:2]
     turning = (geometry.weigh(changed.reshape(n * m, -1, 9)).reshape(changed.shape) * changed).sum(axis=3)
@@ -270,7 +272,7 @@ def _kinetic_energy_in_space(geometry: SpaceGeometry, state: SpaceState, moved: 
 
 
 def _changed_matrices(geometry: SpaceGeometry, state: SpaceState, moved: Array) -> Array:
-    """(n, m, B, 9) how much the matrices of the bodies change."""
+    """(n, m, B, 9) changes of the bodies' matrices by the shapes."""
     n, m, count = *moved.shape[:2], geometry.count
     by = state.turned.by[:, None, :count]
     turning = moved[:, :, : 6 * count].reshape(n, m, count, 6)[..., 3:]

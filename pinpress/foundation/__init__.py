@@ -7,8 +7,9 @@
     pp.foundation.steady_response(system, reactions, points={"top": (0.0, 0.0, 0.9)})
 
 The model is linear: a rigid frame with six degrees of freedom, bed and crown joined by columns with twelve, or a reduced finite-element
-model (`beam_frame`, `read_frame`), with what stands and spins on it (`Attachment`, `Rotor`), on springs and dampers, shaken by
-`Reactions.shaking_force` and `shaking_moment`. In `lifting_response` the mounts only press. `MountedPress` says what is left out.
+model (`beam_frame`, `read_frame`), with attachments and rotors (`Attachment`, `Rotor`), on springs and dampers. `Reactions.shaking_force`
+and `shaking_moment` excite it. In `lifting_response` the mounts can press but not pull. The module `mounted_press` lists what the model
+neglects.
 """
 
 from ..common.public_names import public_names

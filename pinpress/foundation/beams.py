@@ -1,12 +1,13 @@
 """A frame of beams: bed, columns and crown as welded boxes, for a press without a finite-element model.
 
-Beams are those of Timoshenko in space: they stretch, twist, bend in two planes and yield to shear, as short and high parts of a press do.
-Stiffness and mass matrix of an element are consistent, with rotary inertia (Przemieniecki, Theory of Matrix Structural Analysis, 1968,
-chapters 5.6 and 11.7). With P = 12 E I / (G A_s l^2) a beam of length l bends with
+The beams are Timoshenko beams in space: they stretch, twist, bend in two planes and deform in shear, which matters for short and high
+parts. Stiffness and mass matrix of an element are consistent, with rotary inertia (Przemieniecki, Theory of Matrix Structural Analysis,
+1968, chapters 5.6 and 11.7). With P = 12 E I / (G A_s l^2) a beam of length l bends with
 
     E I / ((1 + P) l^3) [12, 6 l, -12, 6 l; 6 l, (4 + P) l^2, -6 l, (2 - P) l^2; ...]
 
-A hollow box twists as a thin closed tube (Bredt), 4 A_m^2 t / circumference, a solid one by the torsion function of a rectangle (Roark).
+The torsion constant of a hollow box is that of a thin closed tube, 4 A_m^2 t / circumference (Bredt); that of a solid box follows from the
+torsion function of a rectangle (Roark).
 """
 
 from __future__ import annotations
@@ -29,18 +30,18 @@ from .frame_parts import direction
 
 @dataclass(frozen=True)
 class FrameBeam(Checked):
-    """A straight beam of a frame with the section of a box, hollow or solid.
+    """A straight beam of a frame. Its section is a box, hollow or solid.
 
     Attributes:
-        start: name of the place at which it begins.
-        end: name of the place at which it ends.
+        start: name of the place at which the beam begins.
+        end: name of the place at which the beam ends.
         width: outer width of the section, along ``across`` [m].
-        height: its outer height, across beam and width [m].
+        height: outer height of the section, perpendicular to beam and width [m].
         across: (3,) direction of the width in world axes; its component along the beam is ignored [-].
         wall: thickness of the wall; None: the box is solid [m].
-        modulus: of elasticity [Pa].
-        shear_modulus: [Pa].
-        density: with ribs and other masses that are spread along it [kg/m3].
+        modulus: modulus of elasticity [Pa].
+        shear_modulus: shear modulus [Pa].
+        density: density, including ribs and other masses that are spread along the beam [kg/m3].
 
     Raises:
         PinpressError: a number is not positive, or the walls are thicker than the box.
@@ -62,7 +63,7 @@ class FrameBeam(Checked):
             if not isinstance(end, str):
                 raise PinpressError(f"FrameBeam: it joins {shown(self.start)} and {shown(self.end)}: give names of places")
         if self.wall is not None and 2 * self.wall >= min(self.width, self.height):
-            raise PinpressError(f"FrameBeam: a wall of {self.wall:g} m fills the box: leave wall= out for a solid one")
+            raise PinpressError(f"FrameBeam: a wall of {self.wall:g} m fills the box: leave wall= out for a solid box")
         set_field(self, "across", direction("FrameBeam: across", self.across))
 
     @property
@@ -73,7 +74,7 @@ class FrameBeam(Checked):
 
     @property
     def second_moments(self) -> tuple[float, float]:
-        """(2,) second moments of area against bending along the height, and along the width [m4]."""
+        """(2,) second moments of area for bending along the height, and along the width [m4]."""
         width, height = self._hollow
         return (
             (self.width * self.height**3 - width * height**3) / 12,
@@ -82,7 +83,7 @@ class FrameBeam(Checked):
 
     @property
     def shear_areas(self) -> tuple[float, float]:
-        """(2,) areas that take shear along the height, and along the width [m2]."""
+        """(2,) shear areas for shear along the height, and along the width [m2]."""
         if self.wall is None:
             return 5 / 6 * self.area, 5 / 6 * self.area
         return 2 * self.wall * (self.height - self.wall), 2 * self.wall * (self.width - self.wall)
@@ -113,25 +114,25 @@ def beam_frame(
     modes: int = 20,
     loss_factor: float = 0.0,
 ) -> ElasticFrame:
-    """Make a frame of beams that are welded together at named places, all of which are interfaces.
+    """Make a frame of beams that are welded together at named places. All places are interfaces.
 
-    What weighs but does not bend, such as flywheel, motor and bolster, is an `Attachment` at one of the places.
+    Parts that add mass but do not bend, such as flywheel, motor and bolster, are `Attachment`s at the places.
 
     Args:
-        places: name -> (3,) a place at which beams meet or something stands, in world axes [m].
+        places: name -> (3,) place at which beams meet or a part is attached, in world axes [m].
         beams: beams between these places.
         bed: name of the place on which the loads on the frame act.
         carrier: name of the place that carries crank and guides, and the mass of the links.
         bearings: name of a bearing or guide of the press on the frame -> name of the place that carries it instead; None: all on
             ``carrier``.
         elements: number of finite elements of each beam, 1 to 50.
-        modes: number of vibrations with all places held that are kept.
-        loss_factor: loss of the frame's material and joints [-].
+        modes: number of vibration modes with fixed places that are kept.
+        loss_factor: loss factor of the frame's material and joints [-].
 
     Raises:
         UnknownNameError: a beam, the bed, the carrier or a bearing names an unknown place.
-        PinpressError: a place is no point, two places are one, a beam has no length or its width lies along it, or the beams do not hang
-            together.
+        PinpressError: a place is not a point, two places coincide, a beam has no length or a width along its axis, or the beams are not
+            connected.
     """
     count = whole_number("elements", elements, 1, 50)
     points = _points(places)
@@ -152,7 +153,7 @@ def beam_frame(
         raise PinpressError(f"no beam reaches {', '.join(loose)}: join it, or leave it out")
     matrices = np.zeros((2, 6 * len(nodes), 6 * len(nodes)))
     for chain, axes, element in parts:
-        turned = np.kron(np.eye(4), axes)  # from world axes to those of the beam, as rows
+        turned = np.kron(np.eye(4), axes)  # rotation from world axes to the axes of the beam, as rows
         in_world = turned.T @ element @ turned
         for one, two in pairwise(chain):
             rows = np.r_[6 * one : 6 * one + 6, 6 * two : 6 * two + 6]
@@ -203,13 +204,14 @@ def _axes(beam: FrameBeam, along: Array) -> tuple[Array, float]:
 
 
 def _element(beam: FrameBeam, h: float) -> Array:
-    """(2, 12, 12) mass and stiffness matrix of an element of length h, in the axes of the beam: displacements and turns at both ends."""
+    """(2, 12, 12) mass and stiffness matrix of an element of length h, in the beam's axes: displacements and rotations of both ends."""
     matrices = np.zeros((2, 12, 12))
     line, mass = np.array([[1.0, -1.0], [-1.0, 1.0]]), beam.density * np.array([[2.0, 1.0], [1.0, 2.0]]) * h / 6
     moments = beam.second_moments
     matrices[:, [[0], [6]], [0, 6]] += mass * beam.area, line * beam.modulus * beam.area / h
     matrices[:, [[3], [9]], [3, 9]] += mass * sum(moments), line * beam.shear_modulus * beam.torsion_constant / h
-    # along the height (third axis) a positive turn about the second axis lowers what lies ahead, along the width it is the other way round
+    # a positive rotation about the second axis has a negative slope along the height (third axis); the slope along the width has the other
+    # sign
     for rows, turn, moment, sheared in (((2, 4, 8, 10), -1.0, moments[0], 0), ((1, 5, 7, 11), 1.0, moments[1], 1)):
         sign = np.array([1.0, turn, 1.0, turn])
         ratio = 12 * beam.modulus * moment / (beam.shear_modulus * beam.shear_areas[sheared] * h * h)
@@ -219,14 +221,14 @@ def _element(beam: FrameBeam, h: float) -> Array:
 
 
 def _bending(mass: float, rotary: float, stiffness: float, h: float, ratio: float) -> Array:
-    """(2, 4, 4) mass and stiffness matrix of bending in a plane; coordinates are displacement and slope at both ends.
+    """(2, 4, 4) mass and stiffness matrix of bending in a plane; the coordinates are displacement and slope at both ends.
 
     Args:
-        mass: by length [kg/m].
-        rotary: rotary inertia by length [kg m].
-        stiffness: against bending [N m2].
-        h: length [m].
-        ratio: P of the module's heading.
+        mass: mass per length [kg/m].
+        rotary: rotary inertia per length [kg m].
+        stiffness: bending stiffness [N m2].
+        h: length of the element [m].
+        ratio: P of the module's docstring.
     """
     p, p2 = ratio, ratio * ratio
     stiff = [

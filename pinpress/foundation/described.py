@@ -1,4 +1,4 @@
-"""What a press on its mounts shows: loads at rest, modes, vibration, feet that lift off, and what reaches the floor."""
+"""What a press on its mounts shows: loads at rest, modes, vibration, feet that lift off, and the force on the floor."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from .response import FrameMotion, rms_about_mean
 from .speed_response import Isolation, SpeedResponse
 from .whirl_modes import WhirlDiagram
 
-NOTHING = 1e-3  # share of the largest acceleration below which a direction has numbers, but no chart
-MOST_MODES = 24  # of a table
-MOST_DRAWN = 12  # modes of a chart, the lowest
-MOST_MOUNTS = 8  # whose loads are drawn, those with the least
+NOTHING = 1e-3  # a direction with a smaller share of the largest acceleration gets numbers, but no chart
+MOST_MODES = 24  # modes in a table
+MOST_DRAWN = 12  # modes in a chart, the lowest ones
+MOST_MOUNTS = 8  # mounts whose loads are drawn, those with the smallest loads
 SPEED = "crank speed"
 
 
@@ -67,7 +67,7 @@ def _view(system: MountedPress, where: str, across: int, up: int) -> Chart:
 
 
 def _walks(chains: Sequence[Array]) -> list[Array]:
-    """Chains of places (k, 3) as walks without a jump, a walk for each connected set; each chain is walked there and back."""
+    """Chains of places (k, 3) as walks without a jump, one walk for each connected set. A walk follows each chain there and back."""
     at: dict[bytes, list[int]] = {}
     for k, chain in enumerate(chains):
         for end in chain[[0, -1]] + 0.0:  # -0.0 is the same place
@@ -98,7 +98,7 @@ def _walks(chains: Sequence[Array]) -> list[Array]:
 
 
 def _inputs(system: MountedPress) -> Inputs:
-    """The parts of the frame and the springs that they stand on, as text."""
+    """The parts of the frame and their springs, as text."""
     parts = [("frame", system.frame)] if system.crown is None else [("bed", system.frame), ("crown", system.crown)]
     springs = [(name, some) for name, some in (("mounts", system.mounts), ("uprights", system.uprights)) if some]
     aside = [
@@ -216,7 +216,7 @@ def _over(name: str, title: str, unit: str, along: Along, values: dict[str, Arra
 
 
 def whirling(found: WhirlDiagram, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Natural frequencies over the speed, with the first two harmonics of the crank and points where they meet."""
+    """Natural frequencies over the speed, with the first two harmonics of the crank and the points where they meet."""
     order = np.argsort(found.frequency[-1])[:MOST_MODES]
     columns = [
         Column("mode", [str(k + 1) for k in order]),
@@ -263,7 +263,7 @@ def lifting(found: LiftingMotion, page: Reactions | None = None) -> tuple[Sectio
 
 
 def _loads(motion: FrameMotion) -> Chart:
-    """The force on each mount over time, weight included; nothing while a foot has lifted off."""
+    """The force on each mount over time, weight included; no curve while its foot has lifted off."""
     force = (motion.mount_force + motion.system.mount_load)[:, :, 2]
     drawn = np.sort(np.argsort(force.min(axis=0), kind="stable")[:MOST_MOUNTS])
     curves = [Curve(f"mount {k + 1}", force[:, k]) for k in drawn]

@@ -1,12 +1,13 @@
 """Frames that bend: a finite-element model of the frame, reduced by the method of Craig and Bampton.
 
-Of the motions of the model those are kept that its interfaces can cause, the nodes at which mounts, bearings, guides, bed and attachments
-are: what it does where one after another of their six displacements is imposed slowly, and its lowest vibrations with all interfaces held
-(Craig and Bampton, AIAA Journal 6 (1968) 1313). The statics of forces at the interfaces is exact then, whatever is kept of the vibrations.
+Interfaces are the nodes at which mounts, bearings, guides, bed and attachments act. The reduction keeps two kinds of motion: the static
+constraint modes (a unit displacement of one interface degree of freedom, all others fixed), and the lowest normal modes with fixed
+interfaces (Craig and Bampton, AIAA Journal 6 (1968) 1313). So the static response to forces at the interfaces is exact for any number of
+normal modes.
 
-The reduced model is written in six coordinates of the mean motion of the frame, displacement and turn of its point at the world origin, and
-in its free vibrations q of modal mass 1: M = diag(Y, 1), K = diag(0, w^2) with the spatial inertia Y of the whole. The frame's momentum is
-that of the first six alone. So an extremely stiff frame is the rigid one within rounding error.
+The reduced model has six coordinates of the mean motion of the frame (displacement and rotation of its point at the world origin) and the
+modal coordinates q of its free vibrations, of modal mass 1: M = diag(Y, 1), K = diag(0, w^2), with the spatial inertia Y of the whole
+frame. Only the mean motion has momentum. So an extremely stiff frame behaves like a rigid frame within rounding error.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ from ..common.results import Tabular
 from ..common.tables import Column
 from .frame_parts import COORDINATES, axis_index, rows_at
 
-MOST_ROWS = 40_000  # of sparse matrices: the reduction takes up to a minute; larger models are condensed where they were made
-RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
-AT = 1e-3  # share of the size of a frame by which a place may be off a node
-WHOLE = "frame"  # name of the mean motion of the frame among its parts
+MOST_ROWS = 40_000  # of sparse matrices: this reduction takes a minute; larger models should be condensed in their own program
+RIGID = 1e-6  # a rigid-body motion may meet this share of the stiffness by rounding errors
+AT = 1e-3  # a place may differ from a node by this share of the frame's size
+WHOLE = "frame"  # name of the frame's mean motion in the list of parts
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,18 +43,18 @@ class ElasticFrame(Tabular):
     """A frame that bends, made by `reduced_frame`, `read_frame` or `beam_frame`. All arrays are read-only.
 
     Attributes:
-        nodes: name of an interface -> (3,) its place in world axes [m].
+        nodes: name of an interface -> (3,) place in world axes [m].
         bed: name of the interface on which the loads on the frame act (the process force).
         carrier: name of the interface that carries crank and guides, and the mass of the links.
         bearings: name of a bearing or guide on the frame -> name of the interface that carries it instead.
         inertia: (6, 6) spatial inertia of the frame about the world origin, linear before angular [kg, kg m, kg m2].
-        natural_frequency: (m,) natural frequencies of the free frame as it is reduced, rising [rad/s].
-        motions: name of an interface -> (6, 6 + m) its displacement at the world origin and its turn, by the mean motion of the frame and
-            its free vibrations of modal mass 1 kg.
+        natural_frequency: (m,) natural frequencies of the free reduced frame, rising [rad/s].
+        motions: name of an interface -> (6, 6 + m) its displacement at the world origin and its rotation, for a unit of each coordinate:
+            six of the mean motion of the frame, m of its free vibrations of modal mass 1 kg.
         places: (k, 3) nodes of the model, for pictures and for points of the frame [m].
-        shapes: (k, 3, 6 + m) their displacements, by the same motions.
-        lines: (l, 2) numbers of the nodes that a picture joins.
-        loss_factor: loss of the frame's material and joints, the same at all frequencies [-].
+        shapes: (k, 3, 6 + m) displacements of these nodes for a unit of each coordinate.
+        lines: (l, 2) numbers of the nodes that a picture connects by lines.
+        loss_factor: loss factor of the frame's material and joints, the same at all frequencies [-].
     """
 
     nodes: Mapping[str, tuple[float, float, float]]
@@ -87,12 +88,13 @@ class ElasticFrame(Tabular):
 
         Args:
             one: name of an interface.
-            other: name of another one.
-            axis: direction of the forces, "x", "y" or "z"; they stand on one line along it, else they turn the frame.
+            other: name of another interface.
+            axis: direction of the forces, "x", "y" or "z". The interfaces must lie on a line in this direction; otherwise the forces would
+                turn the frame.
 
         Raises:
             UnknownNameError: there is no such interface.
-            PinpressError: the axis is another, or the interfaces do not stand above each other along it.
+            PinpressError: the axis is not "x", "y" or "z", or the interfaces do not lie on a line along it.
         """
         for name in (one, other):
             if name not in self.nodes:
@@ -100,7 +102,7 @@ class ElasticFrame(Tabular):
         along = axis_index(axis)
         apart = np.delete(np.subtract(self.nodes[one], self.nodes[other]), along)
         if np.abs(apart).max() > AT * size_of(self.places):
-            raise PinpressError(f"{one} and {other} do not stand on one line along {axis}: two forces there would turn the frame")
+            raise PinpressError(f"{one} and {other} are not on one line along {axis}: two forces there would turn the frame")
         stretch = (rows_at(self.motions[one], self.nodes[one]) - rows_at(self.motions[other], self.nodes[other]))[along, 6:]
         yielding = float(((stretch / self.natural_frequency) ** 2).sum())
         if yielding == 0:
@@ -111,7 +113,7 @@ class ElasticFrame(Tabular):
         """Name of the interface at a place in world axes [m].
 
         Raises:
-            PinpressError: no interface is there.
+            PinpressError: no interface is at this place.
         """
         names = list(self.nodes)
         away = np.linalg.norm(np.array(list(self.nodes.values())) - np.asarray(point, dtype=float), axis=1)
@@ -127,7 +129,7 @@ class ElasticFrame(Tabular):
         """Rows (3, 6 + m) of the displacement of a node of the model at a place in world axes [m].
 
         Raises:
-            PinpressError: no node is there.
+            PinpressError: no node is at this place.
         """
         away = np.linalg.norm(self.places - np.asarray(point, dtype=float), axis=1)
         nearest = int(away.argmin())
@@ -154,30 +156,30 @@ def reduced_frame(
     loss_factor: float = 0.0,
     lines: ArrayLike | None = None,
 ) -> ElasticFrame:
-    """Reduce a finite-element model of a frame that nothing holds.
+    """Reduce a finite-element model of a free (unsupported) frame.
 
-    Leave out all links of the press, and what is attached. In programs for finite elements an interface is a master node with six degrees
-    of freedom, which spreads its displacement over the bore of a bearing or the face of a foot.
+    Leave out all links of the press and all attachments. In a finite-element program, make each interface a master node with six degrees of
+    freedom that moves the bore of a bearing or the face of a foot.
 
     Args:
-        mass: (n, n) mass matrix, consistent or lumped: rows may have no mass; up to 6000 rows, of a sparse matrix of SciPy 40 000
-            [kg, kg m, kg m2].
+        mass: (n, n) mass matrix, consistent or lumped; rows may have no mass. Up to 6000 rows, or 40 000 as a sparse matrix of SciPy [kg,
+            kg m, kg m2].
         stiffness: (n, n) stiffness matrix [N/m, N, N m].
         nodes: (k, 3) places of the nodes in world axes [m].
-        degrees: (n, 2) of each row of the matrices: the number of its node, and 0, 1, 2 for its displacement along x, y, z, or 3, 4, 5 for
+        degrees: (n, 2) for each row of the matrices: the number of its node, and 0, 1, 2 for its displacement along x, y, z, or 3, 4, 5 for
             its turn about them; -1, -1 for a coordinate of a model that is reduced already.
-        interfaces: name -> number of its node, with all six degrees of freedom; one at every mount.
+        interfaces: name -> number of its node, which has all six degrees of freedom; every mount needs an interface.
         bed: name of the interface on which the loads on the frame act.
         carrier: name of the interface that carries crank and guides, and the mass of the links.
         bearings: name of a bearing or guide of the press on the frame -> name of the interface that carries it instead; None: all on
             ``carrier``.
-        modes: number of vibrations with all interfaces held that are kept.
-        loss_factor: loss of the frame's material and joints [-].
-        lines: (l, 2) numbers of the nodes that a picture joins; None: none.
+        modes: number of normal modes with fixed interfaces that are kept.
+        loss_factor: loss factor of the frame's material and joints [-].
+        lines: (l, 2) numbers of the nodes that a picture connects by lines; None: no lines.
 
     Raises:
         UnknownNameError: ``bed``, ``carrier`` or the interface of a bearing is not among the interfaces.
-        PinpressError: the matrices are not those of a free frame, or do not go with nodes and degrees; an interface lacks a degree of
+        PinpressError: the frame of the matrices is not free, the matrices do not fit nodes and degrees, or an interface lacks a degree of
             freedom.
 
     Warns:
@@ -200,7 +202,7 @@ def reduced_frame(
     joined = np.zeros((0, 2)) if lines is None else numbers(f"{what}: lines", lines, (None, 2))
     if not np.isin(joined, np.arange(len(places))).all():
         raise PinpressError(f"{what}: lines join nodes by their numbers, from 0 to {len(places) - 1}: give two of these each")
-    # No frame is so large: its places are probably in mm.
+    # no frame is this large: its places are probably in mm
     if size_of(places) > 50.0:
         caution(f"{what}: its nodes are up to {size_of(places):.4g} m apart: if mm are meant, give all in m, kg and N")
     inertia, frequency, motions = _free_vibrations(m, k, places, rows, numbered, whole_number("modes", modes, 0, 200))
@@ -243,7 +245,7 @@ def read_frame(
 
     Args:
         file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `reduced_frame`; or the mass matrix, `.mtx`,
-            perhaps compressed, `.mtx.gz`.
+            or compressed, `.mtx.gz`.
         interfaces: as for `reduced_frame`.
         bed: as for `reduced_frame`.
         carrier: as for `reduced_frame`.
@@ -256,7 +258,7 @@ def read_frame(
         lines: as for `reduced_frame`.
 
     Raises:
-        PinpressError: a file cannot be read, lacks an array, or as `reduced_frame`.
+        PinpressError: a file cannot be read or lacks an array; also as `reduced_frame`.
     """
     other = None if stiffness is None else files.path_of("stiffness", stiffness)
     mass, stiff, nodes, degrees = read_model(files.path_of("file", file), other, nodes, degrees)
@@ -325,8 +327,8 @@ def _check_interfaces(interfaces: Mapping[str, int], rows: Mapping[tuple[int, in
 def _free_vibrations(
     mass: Any, stiffness: Any, places: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
 ) -> tuple[Array, Array, Array]:
-    """Spatial inertia (6, 6), frequencies (m,) and motions (n, 6 + m) of all rows, of the reduced frame; raises PinpressError."""
-    from scipy.linalg import null_space  # SciPy takes its time to load
+    """Spatial inertia (6, 6), frequencies (m,) and motions (n, 6 + m) of all rows, for the reduced frame; raises PinpressError."""
+    from scipy.linalg import null_space  # slow to import
 
     whole = _whole_motions(mass.shape[0], places, rows)
     reach = max(1.0, float(np.abs(places).max()))
@@ -356,14 +358,14 @@ def _free_vibrations(
         raise PinpressError(
             f"the frame: {motion} moves no mass: give rotary inertia to its node, or the consistent mass matrix of the frame"
         ) from error
-    # The frequency of a loose part is zero within rounding error of the largest one.
+    # a loose part has a frequency of zero, within the rounding error of the largest frequency
     if not len(squared) or squared[0] <= 1e-12 * squared[-1]:
         raise PinpressError("the frame: more than six of its motions cost no energy: its parts are not joined, or it has a hinge")
     return inertia, np.sqrt(squared), np.hstack([whole, basis @ (free @ vectors)])
 
 
 def _massless(mass: Array, interfaces: Sequence[str]) -> str:
-    """The motion of an interface that moves least mass, as text, of the mass matrix (6 interfaces, 6 interfaces)."""
+    """The motion of an interface that moves the least mass, as text, from the mass matrix (6 interfaces, 6 interfaces)."""
     own = np.diag(mass)
     scale = np.where(own > 0, own, 1.0) ** -0.5
     name, along = divmod(int(np.abs(np.linalg.eigh(scale[:, None] * mass * scale)[1][:, 0]).argmax()), 6)
@@ -371,7 +373,7 @@ def _massless(mass: Array, interfaces: Sequence[str]) -> str:
 
 
 def _whole_motions(count: int, places: Array, rows: Mapping[tuple[int, int], int]) -> Array:
-    """(n, 6) displacements and turns of all rows when the frame moves as a whole, by those of its point at the world origin."""
+    """(n, 6) displacements and rotations of all rows in the six rigid-body motions, each a unit motion of the point at the world origin."""
     whole = np.zeros((count, 6))
     for (node, direction), row in rows.items():
         if direction < 3:
@@ -382,5 +384,5 @@ def _whole_motions(count: int, places: Array, rows: Mapping[tuple[int, int], int
 
 
 def _at_origin(motion: Array, place: Array) -> Array:
-    """(6, n) displacement at the world origin and turn, from the displacement at a place (3,) and the turn of a node."""
+    """(6, n) displacement at the world origin and rotation, from the displacement at a place (3,) and the rotation of a node."""
     return read_only(np.vstack([motion[:3] + pin.skew(place) @ motion[3:], motion[3:]]))

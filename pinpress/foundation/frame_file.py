@@ -1,4 +1,4 @@
-"""A press on its mounts from a file in YAML or JSON: the frame, what stands on it and spins in it, and the mounts.
+"""A press on its mounts from a file in YAML or JSON: the frame, its attachments and rotors, and the mounts.
 
     frame: {mass: 15 t, centre: 0 100 -350 mm, inertia: 9000 8000 4000 kg m2}
     mounts:
@@ -8,8 +8,9 @@
     rotors:
       - {inertia: 136 kg m2, axis: 0 -1 0}
 
-The keys are the fields of the classes of this room: those of `Frame`, or the arguments of `beam_frame` or of `read_frame`; of `Mount`, at
-several points, or a `RubberPad` at each; of `Attachment` with its body's beside; and of `Rotor`. Every number has its unit.
+The keys are the fields of this room's classes. ``frame`` has the fields of `Frame`, or the arguments of `beam_frame` or `read_frame`.
+``mounts`` has the fields of `Mount` for several points, or a `RubberPad` for each point. ``attached`` has the fields of `Attachment` and of
+its body. ``rotors`` has the fields of `Rotor`. Every number has a unit.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ from .frame_parts import Attachment, Rotor
 from .mounted_press import MountedPress, mounted
 from .mounts import Frame, Mount, RubberPad, pad_mount
 
-USUAL_WORDS = {  # what else keys are called, in lower case
+USUAL_WORDS = {  # other usual words for keys, in lower case
     "weight": "mass",
     "m": "mass",
     "com": "centre",
@@ -81,27 +82,29 @@ MARKETS = "{mass: m.mtx, stiffness: k.mtx, nodes: nodes.csv, degrees: degrees.cs
 
 @typed
 def read_mounted(press: Linkage, file: str | os.PathLike[str], *, motion: Motion | None = None) -> MountedPress:
-    """Stand a press on its mounts as a file in YAML or JSON says.
+    """Read the frame and the mounts of a press from a file in YAML or JSON, and stand the press on them.
 
-    Keys of the top, of which the first two are needed; see the manual for those below them:
+    Keys at the top level; the first two are required. The manual lists the keys below them:
 
         frame     ``mass``, ``centre``, ``inertia`` of a rigid one; ``places``, ``beams``, ``bed``, ``carrier`` of beams, see `beam_frame`;
                   ``matrices``, ``interfaces``, ``bed``, ``carrier`` of a finite-element model, see `read_frame`
-        mounts    a list: ``points``, at each of which stands a mount of the other keys, those of `Mount`, or a ``pad``, see `RubberPad`
+        mounts    a list: ``points``, and for a mount at each point the keys of `Mount`, or a ``pad``, see `RubberPad`
         crown     a rigid upper part, as ``frame``
         uprights  the columns below it, as ``mounts``
-        attached  name -> mass, centre, inertia of what stands on the frame, ``on`` a part, with ``springs`` as ``mounts``
+        attached  name -> mass, centre, inertia of a body on the frame, ``on`` a part, with ``springs`` as ``mounts``
         rotors    a list: keys of `Rotor`
 
-    Numbers have their unit, as ``200 mm``; several share the last one. Files named in it are sought beside it.
+    Every number has a unit, as ``200 mm``; several numbers can share one unit at the end. A file name is relative to the folder of this
+    file.
 
     Args:
         press: the press that stands on it.
         file: path of the file.
-        motion: as of `mounted`.
+        motion: as for `mounted`.
 
     Raises:
-        PinpressError: the file cannot be read, a key is unknown, missing or of no use, or as `mounted`; with file, line and keys.
+        PinpressError: the file cannot be read, a key is unknown, missing or without effect, or as `mounted`; the message names file, line
+            and keys.
     """
     top = read_entries(Path(files.path_of("file", file)), FRAME_FILE)
     parts = ON_MOUNTS.read(top, Around())
@@ -122,7 +125,7 @@ def _mounts(made: Callable[..., Mount], given: dict[str, Any]) -> list[Mount]:
 
 
 def _attached(made: Callable[..., Attachment], given: dict[str, Any]) -> Attachment:
-    """What stands on the frame: its body's keys stand beside its own."""
+    """An attachment; the keys of its body are on the same level as its own keys."""
     beside = {name: given.pop(name) for name in ("on", "springs") if name in given}
     return made(body=Frame(**given), **beside)
 
@@ -136,7 +139,7 @@ def _beams(made: Callable[..., FrameBeam], given: dict[str, Any]) -> list[FrameB
 
 
 class _Pairs(Text):
-    """Pairs of names, which may have blanks in them."""
+    """Pairs of names. A name may contain blanks."""
 
     def read(self, entry: Entry, around: Around) -> Any:
         example = "pairs of places: [[left, crown], [right, crown]]"
@@ -148,7 +151,7 @@ def _frame_of_beams(made: Callable[..., ElasticFrame], given: dict[str, Any]) ->
 
 
 class _Matrices(DataFile):
-    """The file of a model's matrices, or the files of each of them."""
+    """One file with all matrices of a model, or a file for each matrix."""
 
     def read(self, entry: Entry, around: Around) -> Any:
         if isinstance(entry.value, str):
@@ -159,9 +162,9 @@ class _Matrices(DataFile):
 
 
 class _Table(DataFile):
-    """Numbers (rows, columns) of a CSV file, of which the first line may be a header.
+    """Numbers (rows, columns) of a CSV file. The first line may be a header.
 
-    With a ``unit``, the header may name another one of its kind.
+    If ``unit`` is given, the header may name another unit of the same quantity.
     """
 
     def __init__(self, columns: Sequence[str], unit: str = "-") -> None:
@@ -192,7 +195,7 @@ MARKET: Part[Any] = Part(
     needed=("mass", "stiffness", "nodes", "degrees"),
     finish=_files,
 )
-ELASTIC: Mapping[str, Any] = {  # keys that both kinds of a frame that bends have
+ELASTIC: Mapping[str, Any] = {  # keys of both kinds of elastic frame
     "bed": Text(),
     "carrier": Text(),
     "bearings": Named(Text(), "{slide_guide: bed}"),

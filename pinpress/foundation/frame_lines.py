@@ -1,5 +1,5 @@
-"""A frame as lines. A rigid part has lines from its centre of mass to everything that it stands on or carries, a frame that bends the lines
-of its model. A short line below each foot is its mount."""
+"""A frame as lines. A rigid part has lines from its centre of mass to its mounts and to everything that it carries. An elastic frame has
+the lines of its model. A short line below each foot is its mount."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .elastic_frame import ElasticFrame
 from .frame_parts import rows_at
 from .mounted_press import MountedPress
 
-PAD = 0.05  # length of the line of a mount, share of the size of the picture
+PAD = 0.05  # length of a mount's line, as a share of the picture's size
 
 
 class FrameLine(NamedTuple):
@@ -58,7 +58,7 @@ def _rigid_lines(system: MountedPress) -> list[FrameLine]:
 
 
 def _elastic_lines(frame: ElasticFrame, count: int) -> list[FrameLine]:
-    """The lines of a frame's model; without any, from its middle to each interface."""
+    """The lines of a frame's model; if it has no lines, lines from its middle to each interface."""
     shapes = np.pad(frame.shapes, ((0, 0), (0, 0), (0, count - frame.shapes.shape[2])))
     if len(frame.lines):
         return [FrameLine("frame", frame.places[chain], shapes[chain]) for chain in _chains(frame)]
@@ -72,7 +72,7 @@ def _elastic_lines(frame: ElasticFrame, count: int) -> list[FrameLine]:
 
 
 def _chains(frame: ElasticFrame) -> list[list[int]]:
-    """Numbers of the nodes along lines that follow each other."""
+    """Chains of connected lines, as numbers of their nodes."""
     found: list[list[int]] = []
     for one, two in frame.lines.tolist():
         if found and found[-1][-1] == one:

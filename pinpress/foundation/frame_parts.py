@@ -1,12 +1,13 @@
 """The parts of a frame: rigid parts on springs, attachments, rotors, and their matrices.
 
-The motion of part k of the frame is the displacement of its point at the world origin and its turn, (x, y, z, rx, ry, rz). These six are
-B_k u, where u are the coordinates of the whole system; for a rigid part B_k picks six of them. So a spring between two parts has the rows
-[1, -skew(p)] (B_a - B_b), a wrench w about the world origin on a part is the force B_k^T w on the coordinates, and a body of spatial
-inertia Y adds B_k^T Y B_k to the mass matrix.
+The motion of part k of the frame is the displacement of its point at the world origin and its rotation, (x, y, z, rx, ry, rz). This motion
+is B_k u, where u are the coordinates of the whole system; for a rigid part B_k selects six coordinates. So a spring between two parts has
+the rows [1, -skew(p)] (B_a - B_b), a wrench w about the world origin on a part is the force B_k^T w on the coordinates, and a body of
+spatial inertia Y adds B_k^T Y B_k to the mass matrix.
 
-A rotor of polar inertia J that spins with w about the unit vector n has the angular momentum J w n. When its part turns by t, that turns
-too, and the rotor exerts the moment -J w (t' x n) on the part, which is -w G t' with the skew-symmetric G = -J skew(n): it does no work.
+A rotor of polar inertia J that spins with w about the unit vector n has the angular momentum J w n. When its part rotates by t, the angular
+momentum rotates too, and the rotor exerts the gyroscopic moment -J w (t' x n) on the part. This is -w G t' with the skew-symmetric G = -J
+skew(n), so it does no work.
 """
 
 from __future__ import annotations
@@ -34,12 +35,12 @@ class Attachment(Frozen):
     """A body that stands on a part of the frame: a motor on its bracket, a feeder, a cabinet.
 
     Attributes:
-        body: mass, centre of mass and inertia of the body. Leave them out of the frame's.
-        springs: springs between the body and the part, such as those of a bracket; none: it is bolted on.
+        body: mass, centre of mass and inertia of the body. The frame's mass must not include it.
+        springs: springs between the body and the part, e.g. a bracket's stiffness; no springs: the body is bolted on.
         on: name of the part that carries it; None: the one that carries crank and guides.
 
     Raises:
-        PinpressError: ``body`` is no `Frame`, or ``springs`` are no list of `Mount`.
+        PinpressError: ``body`` is not a `Frame`, or ``springs`` is not a list of `Mount`.
     """
 
     body: Frame
@@ -60,13 +61,13 @@ class Attachment(Frozen):
 class Rotor(Checked):
     """A body that spins on a part of the frame in proportion to the crank, such as flywheel, crankshaft or the rotor of the motor.
 
-    Its mass belongs to the part. It resists a turn about any other axis than its own (gyroscopic moment), and the part bears the reaction
-    if the speed changes.
+    The part's mass must include the rotor's mass. If the part rotates about another axis, the rotor exerts a gyroscopic moment on it. If
+    the speed changes, the part carries the reaction torque.
 
     Attributes:
         inertia: moment of inertia about its axis [kg m2].
-        axis: (3,) direction of its axis in world axes, given in any length; its spin is positive about it [-].
-        ratio: its speed divided by the crank's, negative if it turns the other way about ``axis`` [-].
+        axis: (3,) direction of its axis in world axes, of any length; a positive spin is about this direction [-].
+        ratio: speed of the rotor / speed of the crank, negative if the rotor turns the other way about ``axis`` [-].
         on: name of the part that carries it; None: the one that carries crank and guides.
 
     Raises:
@@ -91,10 +92,10 @@ class Rotor(Checked):
 
 
 def direction(what: str, given: ArrayLike) -> Vector:
-    """A caller's direction as a vector (3,) of length 1; ``what``: where it stands, for the message.
+    """A caller's direction as a vector (3,) of length 1; ``what``: its name, for the message.
 
     Raises:
-        PinpressError: it is no vector (3,) of finite numbers other than zero.
+        PinpressError: the direction is not a vector (3,) of finite numbers, or is zero.
     """
     vector = np.asarray(given, dtype=float)
     if vector.shape != (3,) or not vector.any():
@@ -120,19 +121,19 @@ class Spring(NamedTuple):
 
 
 def axis_index(axis: object) -> int:
-    """0, 1 or 2 of a caller's axis "x", "y" or "z"; raises PinpressError if it is another."""
+    """0, 1 or 2 of a caller's axis "x", "y" or "z"; raises PinpressError for any other axis."""
     if not isinstance(axis, str) or axis not in ("x", "y", "z"):
         raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
     return "xyz".index(axis)
 
 
 def motions_of(names: Sequence[str]) -> dict[str, Array]:
-    """Motions (6, n) at the world origin of rigid parts that move freely, six coordinates each, by one of each coordinate."""
+    """Motions (6, n) at the world origin of rigid parts that move freely, for a unit of each coordinate; a part has six coordinates."""
     return {name: np.eye(6, 6 * len(names), 6 * k) for k, name in enumerate(names)}
 
 
 def part_named(parts: Mapping[str, Array], name: str | None, carrier: str) -> str:
-    """A part of the frame by the name that a caller gives; None: ``carrier``.
+    """The name of a part of the frame, checked; ``carrier`` for None.
 
     Raises:
         UnknownNameError: there is no such part.
@@ -150,7 +151,7 @@ def body_inertia(frame: Frame) -> Array:
 
 
 def centre_of(body: Array) -> Array:
-    """Centre of mass (3,) of a body with a spatial inertia (6, 6) [m]; the origin where the body has no mass."""
+    """Centre of mass (3,) of a body with a spatial inertia (6, 6) [m]; the origin if the body has no mass."""
     return np.array([body[5, 1], body[3, 2], body[4, 0]]) / (body[0, 0] or 1.0)
 
 
@@ -160,18 +161,18 @@ def weight_wrench(body: Array, gravity: Array) -> Array:
 
 
 def rows_at(motion: Array, point: ArrayLike) -> Array:
-    """Rows (3, n) that give the displacement of a point of a part, u + turn x point, from the rows (6, n) of its motion."""
+    """Rows (3, n) of the displacement of a point of a part, u + rotation x point, from the rows (6, n) of the part's motion."""
     return np.asarray(motion[:3] - pin.skew(np.asarray(point, dtype=float)) @ motion[3:])
 
 
 def spring_rows(spring: Spring, parts: Mapping[str, Array]) -> Array:
-    """Rows (3, n) that give the stretch of a spring: the displacement of its first part at its point less that of the other one."""
+    """Rows (3, n) of the elongation of a spring: the displacement of the first part at the spring's point less that of the second part."""
     rows = rows_at(parts[spring.part], spring.mount.point)
     return rows if spring.other is None else rows - rows_at(parts[spring.other], spring.mount.point)
 
 
 def springs_together(springs: Iterable[tuple[ArrayLike, Array]], count: int) -> Array:
-    """Stiffness matrix (n, n) of springs, each with its constants (3,) along x, y and z and the rows (3, n) of its stretch."""
+    """Stiffness matrix (n, n) of springs, each with its constants (3,) along x, y and z and the rows (3, n) of its elongation."""
     total = np.zeros((count, count))
     for constants, at in springs:
         total += at.T @ (np.asarray(constants, dtype=float)[:, None] * at)
@@ -179,7 +180,7 @@ def springs_together(springs: Iterable[tuple[ArrayLike, Array]], count: int) -> 
 
 
 def gyroscopic_matrix(rotors: Iterable[Rotor], parts: Mapping[str, Array], carrier: str, count: int) -> Array:
-    """Skew-symmetric matrix (n, n) of gyroscopic moments at a crank speed of 1 rad/s, which are minus it times the velocities [kg m2]."""
+    """Skew-symmetric matrix G (n, n) of gyroscopic moments -G u' at a crank speed of 1 rad/s [kg m2]."""
     total = np.zeros((count, count))
     for rotor in rotors:
         turn = parts[part_named(parts, rotor.on, carrier)][3:]
@@ -188,11 +189,11 @@ def gyroscopic_matrix(rotors: Iterable[Rotor], parts: Mapping[str, Array], carri
 
 
 def turning_stiffness(forces: Iterable[tuple[Array, Array, Array]], count: int) -> Array:
-    """Stiffness (n, n) that comes from static forces when their parts turn; see `mounted_press`.
+    """Geometric stiffness (n, n) from static forces on parts that rotate; see `mounted_press`.
 
     Args:
-        forces: for each force the rows (6, n) of the motion of its part, the force (3,) [N] and its point (3,) [m].
-        count: n.
+        forces: for each force, the rows (6, n) of its part's motion, the force (3,) [N] and its point (3,) [m].
+        count: n, the number of coordinates.
     """
     stiffness = np.zeros((count, count))
     for motion, force, point in forces:
@@ -205,17 +206,17 @@ def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
     """Raise PinpressError if a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
     scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
-    smallest = 1e-10  # of the largest: less is rounding
+    smallest = 1e-10  # as a share of the largest; below it an eigenvalue is a rounding error
     if values[0] <= smallest * values[-1]:
         free = np.abs(scale * vectors[:, 0]).reshape(-1, 6).max(axis=0)
-        turns = 3 * int(free[3:].max() > smallest * free.max())  # a turn about a mount moves the origin too
+        turns = 3 * int(free[3:].max() > smallest * free.max())  # first, because a turn about a mount also moves the origin
         raise PinpressError(f"{problem} {COORDINATES[turns + int(free[turns : turns + 3].argmax())]}: {remedy}")
 
 
 def refuse_pulled(load: Array, gravity: Array) -> None:
     """Raise PinpressError if the weight pulls at a mount instead of pressing on it."""
     along = load @ -gravity
-    # A load of rounding may pull at a mount.
+    # a load within rounding error may pull at a mount
     if (along < -1e-9 * np.abs(along).sum()).any():
         number = int(along.argmin())
         pulled = -along[number] / np.linalg.norm(gravity)

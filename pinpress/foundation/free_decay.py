@@ -1,13 +1,13 @@
-"""The logarithmic decrement of a vibration that dies away, from a signal with noise and other vibrations in it.
+"""The logarithmic decrement of a vibration that dies away, from a signal with noise and other vibrations.
 
 Peaks of a measured signal cannot be counted, because noise makes peaks too. The signal is not filtered first: the ringing of the filter
-would count as damping. Instead one decaying vibration is fitted to the lines of the signal's spectrum around its strongest one.
-The samples a r^k, r = exp(-s + i w), k = 0 ... n - 1, have at the frequency v of a line the spectrum
+would count as damping. Instead one decaying vibration is fitted to the spectral lines around the strongest line of the signal. At the
+frequency v of a line, the samples a r^k, r = exp(-s + i w), k = 0 ... n - 1, have the spectrum
 
-    a (1 - r^n) / (1 - r exp(-i v)) + its partner for the conjugates of a and r,
+    a (1 - r^n) / (1 - r exp(-i v)) + the same term with the conjugates of a and r,
 
-which is exact for a signal of any length, so that a signal without noise gives the decrement 2 pi s / w within rounding error. Vibrations
-outside the band change slowly over it, and are taken as a straight line.
+which is exact for a signal of any length. So a signal without noise gives the decrement 2 pi s / w within rounding error. Vibrations
+outside the band change slowly within the band and are approximated by a straight line.
 """
 
 from __future__ import annotations
@@ -18,25 +18,26 @@ from ..common.arguments import finite_numbers, number, suitable_numbers
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array, ComplexArray
 
-HALF_BAND = np.sqrt(2.0)  # the band reaches from the strongest line divided by this to the line times this: an octave
-BESIDE = 2  # and this many lines further, for short signals
+HALF_BAND = np.sqrt(2.0)  # the band is an octave: from the strongest line / HALF_BAND to the strongest line * HALF_BAND
+BESIDE = 2  # additional lines at both ends of the band, for short signals
 
 
 def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float, float] | None = None) -> float:
     """Logarithmic decrement of a decaying vibration [-].
 
-    The decrement is ln(peak / peak a period later), which is 2 pi z / sqrt(1 - z^2) at a damping ratio z. It is that of the strongest
-    vibration of the signal, found in an octave around its frequency; noise and vibrations at other frequencies hardly matter.
+    The decrement is ln(peak / peak a period later), which is 2 pi z / sqrt(1 - z^2) at a damping ratio z. The result is the decrement of
+    the signal's strongest vibration, fitted within an octave around its frequency. Noise and vibrations at other frequencies have little
+    effect.
 
     Args:
         signal: (n,) one component of a vibration after its cause has ended, in equal steps of time.
-        rate: samples a second, which only gives ``band`` its unit [Hz].
-        band: (2,) lowest and highest frequency of the vibration that is meant, without its neighbours; by default an octave around the
-            strongest of all [Hz].
+        rate: samples per second; it only defines the unit of ``band`` [Hz].
+        band: (2,) lowest and highest frequency of the wanted vibration, without its neighbours; by default an octave around the strongest
+            vibration [Hz].
 
     Raises:
-        PinpressError: the signal is not an array (n,) of finite numbers, has fewer than two periods of its strongest vibration, or nothing
-            that decays stands out of its noise; the band holds no frequency of the signal.
+        PinpressError: the signal is not an array (n,) of finite numbers, has fewer than two periods of its strongest vibration, or has no
+            decaying vibration above the noise; or the band has no frequency of the signal.
     """
     values = finite_numbers(signal)
     if values is None or values.ndim != 1:
@@ -52,7 +53,7 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
     high = min(len(spectrum) - 1, int(np.ceil(around[1])) + BESIDE)
     lines = np.arange(low, high + 1.0)
     decay, turn, certainty = _fitted(spectrum[low : high + 1], lines, len(values), strongest)
-    # At five standard deviations an amplitude is no noise.
+    # an amplitude above five standard deviations is not noise
     if certainty < 5.0:
         raise PinpressError(
             f"no vibration that dies away stands out of the noise of the signal around its line {strongest}: give the time after a hit"
@@ -62,7 +63,7 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
 
 
 def _strongest(size: Array, count: int, rate: float, band: tuple[float, float] | None) -> int:
-    """Number of the strongest line of a spectrum, which is its periods in the signal; raises PinpressError if it has none."""
+    """Number of the strongest line of a spectrum (its periods within the signal); raises PinpressError if there is no such line."""
     lines = np.arange(len(size))
     within = lines >= 1
     if band is not None:
@@ -79,13 +80,13 @@ def _strongest(size: Array, count: int, rate: float, band: tuple[float, float] |
 
 
 def _fitted(spectrum: ComplexArray, lines: Array, count: int, strongest: int) -> tuple[float, float, float]:
-    """Decay and turn of the vibration by sample, and its amplitude by its standard deviation."""
+    """Decay and phase advance of the vibration per sample, and its amplitude / standard deviation of the amplitude."""
     from scipy.optimize import least_squares  # slow to import
 
     around = np.exp(-2j * np.pi * lines / count)
     known = np.concatenate([spectrum.real, spectrum.imag])
     place = (lines - lines.mean()) / len(lines)
-    # With ten lines or more, vibrations outside the band count as a straight line instead of a constant.
+    # with ten lines or more, vibrations outside the band are approximated by a straight line instead of a constant
     outside = [1.0 + 0 * place, place] if len(lines) >= 10 else []
 
     def columns(unknown: Array) -> Array:
@@ -99,7 +100,7 @@ def _fitted(spectrum: ComplexArray, lines: Array, count: int, strongest: int) ->
         matrix = columns(unknown)
         return np.asarray(matrix @ np.linalg.lstsq(matrix, known, rcond=None)[0] - known)
 
-    # The fit starts from several decays over the whole signal, as exponents.
+    # the fit starts from several decay exponents over the whole signal
     trials = [
         least_squares(
             missed, [start, 2 * np.pi * strongest], bounds=([-10.0, 0.0], [np.inf, np.pi * count]), xtol=1e-14, ftol=1e-14, gtol=1e-14

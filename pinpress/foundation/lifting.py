@@ -1,12 +1,13 @@
-"""A press whose mounts press but do not pull: vibration in time with feet that lift off and land.
+"""A press on mounts that can press but not pull: vibration over time with feet that lift off and land.
 
-A foot carries P - k d - c d' and the loss of its pad, with its static load P and the displacement d of its point, upwards positive. It
-lifts off when this force falls to zero, and then no force acts on it. It lands when it is back where the unloaded pad ends, d = P / k. A
-free pad springs back at once, and grips the foot where it lands: the force across is zero then, so that a press can walk.
+The force on a foot is P - k d - c d', plus the loss of its pad. P is the static load, and d is the upward displacement of the foot. The
+foot lifts off when this force falls to zero; then no force acts on it. It lands when it comes back to the end of the unloaded pad, d = P /
+k. A free pad springs back at once. It grips the foot where the foot lands, and its horizontal force is zero at that instant, so a press can
+walk.
 
-Between two switches of a foot the system is linear. Its steps are exact for a force that is linear between two states, like those of
-`time_response`. The instants at which a foot lifts off or lands are found on this exact motion, and the steps continue from there with
-other matrices. Whether a foot switches between two states is checked by a cubic through its force and rate at both ends.
+Between two switches of a foot the system is linear. The steps are exact for a force that is linear between two states, as in
+`time_response`. The instants at which a foot lifts off or lands are roots of this exact motion; from there the steps continue with other
+matrices. A cubic through the force and its rate at both ends of an interval shows whether the foot switches in between.
 """
 
 from __future__ import annotations
@@ -46,11 +47,11 @@ from .response import (
     time_step,
 )
 
-MOST_SWITCHES = 200  # of feet in one interval between states: more are chatter
-REACH = 4.0  # product of the fastest rate of the system and a part of an interval with one Taylor polynomial
-TERMS = 34  # of it: the next is 4^34 / 34!, 1e-18
-ROUNDING = 1e-12  # share of the static load within which a foot that has just switched carries no load
-FREE_FALL = 2  # z among the directions of a mount
+MOST_SWITCHES = 200  # switches of feet in one interval between states; more count as chatter
+REACH = 4.0  # bound of (largest eigenvalue) x (time that one Taylor polynomial covers)
+TERMS = 34  # terms of a Taylor polynomial; the first omitted term is 4^34 / 34! = 1e-18
+ROUNDING = 1e-12  # a foot that has just switched and carries a smaller share of its static load counts as unloaded
+FREE_FALL = 2  # index of z among the directions of a mount
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,14 +60,15 @@ class LiftingMotion(Tabular):
 
     Attributes:
         motion: the vibration over all strokes.
-        mount: (l,) number of the mount that lifts off, from 1, a lift an entry, by rising time.
-        start: (l,) when it lifts off [s].
-        end: (l,) when it lands; the end of the motion where it does not [s].
+        mount: (l,) number of the mount that lifts off, counted from 1; one entry for each lift, in order of time.
+        start: (l,) time at which it lifts off [s].
+        end: (l,) time at which it lands; the end of the motion if it does not land [s].
         gap: (l,) largest gap between foot and unloaded pad at the states in between [m].
-        walked: (mounts, 2) how far each foot stands from its place at the end, along x and y, by landings elsewhere [m].
-        change: (strokes - 1,) change of the state at the end of a stroke from the stroke before, by the largest state of all; the state is
-            displacement and velocity in the measure of energy [-].
-        repeats_after: number of strokes after which the motion repeats itself at its end; None: it does not, or has one stroke alone.
+        walked: (mounts, 2) final displacement of each foot from its original place by walking, along x and y [m].
+        change: (strokes - 1,) norm of the change of the state from the end of one stroke to the end of the next, divided by the largest
+            norm of the states [-]. The norm is the energy norm of displacements and velocities.
+        repeats_after: number of strokes after which the final motion repeats itself; None: it does not repeat itself, or there is only one
+            stroke.
     """
 
     motion: FrameMotion
@@ -97,28 +99,29 @@ def lifting_response(
     strokes: int = 1,
     period: float | None = None,
 ) -> LiftingMotion:
-    """The vibration over time of a press whose feet are not bolted down: the mounts press but do not pull.
+    """The vibration over time of a press whose feet are not bolted down: the mounts can press but not pull.
 
-    Over one period, of `cycle` or `steady_state`, it begins in the linear steady state, without the feet at which that pulls; over a run
-    of `simulate` at rest. Where no foot lifts off it is the linear response, and repeats itself every stroke. Whether a motion with lifts
-    settles, and after how many strokes it repeats itself, is seen by ``strokes``: there may be several such motions, or none. Rotors spin
-    at the mean speed. Loss factors act as in `time_response`, at each mode's own frequency, those of `steady_response` at the frequency of
-    the force: where they are large, the two differ by a few per cent though no foot lifts off.
+    For one period (of `cycle` or `steady_state`) the vibration starts from the linear steady state; feet whose mounts would pull in this
+    state start lifted off. For a run of `simulate` the vibration starts at rest. If no foot lifts off, the result is the linear response,
+    which repeats itself every stroke. With lifts, use ``strokes`` to see whether the motion settles and after how many strokes it repeats
+    itself; there may be several periodic motions, or none. Rotors spin at the mean speed. Loss factors act at each mode's own frequency, as
+    in `time_response`; in `steady_response` they act at the frequency of the force. So with large loss factors the two differ by a few per
+    cent even if no foot lifts off.
 
     Args:
         system: the press on its mounts; each stands on its mounts by its weight.
         reactions: as for `steady_response`, or as for `time_response`.
         points: as for `steady_response`.
         flywheel: as for `steady_response`.
-        strokes: number of periods one after another, 1 to 10 000; 1 for what is no period.
+        strokes: number of consecutive periods, 1 to 10 000; 1 if the motion is not one period.
         period: as for `steady_response` [s].
 
     Raises:
-        PinpressError: as `steady_response` or `time_response`; several strokes of what is no period; a mount that has no stiffness along z;
-            gravity that is not along -z; a foot that chatters.
+        PinpressError: as `steady_response` or `time_response`; several strokes of a motion that is not one period; a mount without
+            stiffness along z; gravity not along -z; a foot that chatters.
 
     Warns:
-        PinpressWarning: the frame turns by more than 0.1 rad, beyond what is small.
+        PinpressWarning: the frame turns by more than 0.1 rad, too much for the small angles of the model.
     """
     count = whole_number("strokes", strokes, 1, 10_000)
     wrench, placed, n = frame_wrench(system, reactions, flywheel), named_points(system, points), len(system.mass)
@@ -133,7 +136,7 @@ def lifting_response(
         raise PinpressError("strokes go with one period, of cycle or steady_state: leave strokes= out for another motion")
     course = _march(feet, wrench, interval, begin)
     turned = max(float(np.abs(course.states[:, :n] @ part[3:].T).max()) for part in system.parts.values())
-    # Up to 0.1 rad the sine and the angle differ by 0.2 %.
+    # up to 0.1 rad, sine and angle differ by less than 0.2 %
     if turned > 0.1:
         caution(
             f"the frame turns by {np.degrees(turned):.3g} deg: it is thrown about, and turns are taken as small here; bolt it down, or"
@@ -172,7 +175,7 @@ def motion_of_feet(system: MountedPress, coordinates: Array) -> Array:
 
 
 def _is_period(reactions: Reactions, period: float | None) -> bool:
-    """Whether `period_of` takes the motion as a period."""
+    """Whether `period_of` accepts the motion as a period."""
     try:
         period_of(reactions.motion, period)
     except PinpressError:
@@ -183,7 +186,7 @@ def _is_period(reactions: Reactions, period: float | None) -> bool:
 
 
 class _Lift(NamedTuple):
-    """A mount, counted from 0, and when it lifts off and lands [s]."""
+    """A mount, counted from 0, and the times at which it lifts off and lands [s]."""
 
     mount: int
     start: float
@@ -191,7 +194,8 @@ class _Lift(NamedTuple):
 
 
 class _Course(NamedTuple):
-    """States (s, 2 n), accelerations (s, n) and forces of the mounts (s, mounts, 3) of a motion, its lifts, and the feet's walks."""
+    """States (s, 2 n), accelerations (s, n) and forces of the mounts (s, mounts, 3) of a motion, its lifts, and the final displacements of
+    the feet."""
 
     states: Array
     acceleration: Array
@@ -201,7 +205,7 @@ class _Course(NamedTuple):
 
 
 class _Feet:
-    """The linear systems of a press, one for each set of feet that stand, made when they are needed.
+    """The linear systems of a press, one for each set of standing feet. Each is computed when first needed.
 
     Attributes:
         system: the press on its mounts.
@@ -229,10 +233,10 @@ class _Feet:
         self._conditions: dict[bytes, tuple[Array, Array]] = {}
 
     def matrices(self, standing: NDArray[np.bool_]) -> tuple[Array, Array, float]:
-        """a and b of x' = a x + b f with these feet standing, and a bound of the absolute eigenvalues of a [1/s].
+        """a and b of x' = a x + b f with these feet standing, and an upper bound of the absolute eigenvalues of a [1/s].
 
-        In the measure of energy a is skew-symmetric except for the resisting matrix. Its norm is at most the highest natural frequency,
-        which a missing foot cannot raise, plus the norm of the resisting matrix.
+        In the energy norm, a is skew-symmetric except for the damping matrix. So the norm of a is at most the highest natural frequency
+        plus the norm of the damping matrix. A lifted foot cannot raise the natural frequency.
         """
         key = standing.tobytes()
         if key not in self._matrices:
@@ -256,7 +260,7 @@ class _Feet:
         return self._steps[key]
 
     def constant(self, standing: NDArray[np.bool_], anchor: Array) -> Array:
-        """Constant force (n,) on the coordinates: missing loads of hovering feet, and forces of pads that gripped elsewhere."""
+        """Constant force (n,) on the coordinates: missing static loads of lifted feet, and forces of pads that gripped at another place."""
         forces = np.where(standing[:, None], self.stiffness * anchor, -self.load)
         return np.asarray(np.einsum("mk,mkj->j", forces, self.rows))
 
@@ -267,10 +271,11 @@ class _Feet:
         return np.asarray(self.load - self.stiffness * (displaced - anchor) - self.damping * moving - self.lossy * later)
 
     def holds(self, standing: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two numbers; one of them is positive until the foot switches [N].
+        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two switching functions for each foot; the foot switches when both are
+        negative [N].
 
-        The first is the force of a standing foot, its negative of a hovering one; the second is the stiffness times the height above the
-        unloaded pad, of a hovering one alone.
+        The first is the force of the mount for a standing foot, and its negative for a lifted foot. The second is stiffness x height above
+        the unloaded pad, for a lifted foot only.
         """
         key = standing.tobytes()
         if key not in self._conditions:
@@ -285,14 +290,14 @@ class _Feet:
 
 
 class _March:
-    """The feet along a motion that begins at a state (2 n,): which of them stand, and where their pads grip.
+    """The states of the feet along a motion: which feet stand, and where their pads grip.
 
     Attributes:
-        feet: their linear systems.
-        standing: (mounts,) which of them stand.
-        anchor: (mounts, 3) how far from its place each pad grips its foot, along x and y [m].
-        since: (mounts,) when each foot lifted off last [s].
-        lifts: those that have ended.
+        feet: the linear systems.
+        standing: (mounts,) whether each foot stands.
+        anchor: (mounts, 3) displacement from its original place at which each pad grips its foot, along x and y [m].
+        since: (mounts,) time at which each foot last lifted off [s].
+        lifts: the lifts that have ended.
     """
 
     def __init__(self, feet: _Feet, begin: Array) -> None:
@@ -305,7 +310,7 @@ class _March:
         """The state (2 n,) at the end of an interval, over which the force goes from ``early`` to ``late``, through all switches of feet.
 
         Raises:
-            PinpressError: a foot switches without end, or the state is not finite.
+            PinpressError: a foot chatters, or the state is not finite.
         """
         done, fresh = 0.0, np.zeros(len(self.standing), dtype=bool)
         for _ in range(MOST_SWITCHES):
@@ -345,10 +350,10 @@ class _March:
 
 
 def _repeating(feet: _Feet, wrench: Array, interval: float) -> Array:
-    """The state (2 n,) in which the linear motion, all feet standing, ends one period under forces (states, n) as it begins it.
+    """Periodic state (2 n,) of the linear motion with all feet standing: one period under forces (states, n) returns to this state.
 
-    Loss factors act in another way in `steady_response`. A motion that began in its state would have to settle first: its strokes would
-    differ although no foot lifts off.
+    The state of `steady_response` is not used, because loss factors act differently there: the motion would have to settle first, and its
+    strokes would differ although no foot lifts off.
 
     Raises:
         PinpressError: a harmonic of the force meets a natural frequency without damping.
@@ -368,7 +373,7 @@ def _repeating(feet: _Feet, wrench: Array, interval: float) -> Array:
 
 
 def _march(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Course:
-    """The motion under forces (states, n) that are linear in between, from a state (2 n,) on."""
+    """The motion under forces (states, n) that are linear in between, starting from a state (2 n,)."""
     n, march = len(begin) // 2, _March(feet, begin)
     states, force = np.zeros((len(wrench), 2 * n)), np.zeros((len(wrench), len(feet.load), 3))
     acceleration, state = np.zeros((len(wrench), n)), begin
@@ -392,29 +397,30 @@ def _first_switch(
     length: float,
     flow: Callable[[], _Flow],
 ) -> tuple[float, int, Array] | None:
-    """Share of an interval after which the first foot lifts off or lands, its number and the state there; None if none does.
+    """Share of an interval after which the first foot lifts off or lands, its number and the state at that instant; None if no foot
+    switches.
 
     Args:
         feet: the feet.
-        standing: which of them stand.
-        fresh: which of them have switched at the start of the interval.
+        standing: whether each foot stands.
+        fresh: feet that have switched at the start of the interval.
         ends: states at both ends of the interval.
-        rates: their rates.
-        length: of the interval [s].
-        flow: makes the exact motion over it.
+        rates: rates of the states at both ends.
+        length: length of the interval [s].
+        flow: function that computes the exact motion over the interval.
     """
     matrix, constant = feet.holds(standing)
     first, last = (matrix @ each + constant for each in ends)
     first_rate, last_rate = (matrix @ each for each in rates)
     small = ROUNDING * np.abs(feet.load).max()
-    if standing.all():  # a cubic lies within the hull of these
+    if standing.all():  # a cubic lies within the convex hull of these Bezier points
         hull = first[0], last[0], first[0] + length / 3 * first_rate[0], last[0] - length / 3 * last_rate[0]
         if min(float(each.min()) for each in hull) > small:
             return None
     samples = np.linspace(0.0, 1.0, 9)
     s = samples[:, None, None]
     cubic = (1 - s) ** 2 * ((1 + 2 * s) * first + s * length * first_rate) + s**2 * ((3 - 2 * s) * last - (1 - s) * length * last_rate)
-    margin = cubic.max(axis=1)  # (samples, mounts): a foot goes on as it does while this is positive
+    margin = cubic.max(axis=1)  # (samples, mounts): a foot does not switch while this is positive
     margin[0] = np.where(fresh | (np.abs(margin[0]) < small), np.maximum(margin[0], small), margin[0])
     switching = np.flatnonzero((margin < 0).any(axis=0))
     if not len(switching):
@@ -431,10 +437,10 @@ def _first_switch(
             return values[[larger]], length * (matrix[larger, number] @ exact.rate(float(share[0])))[None]
 
         low, high = samples[[sample - 1]], samples[[sample]]
-        if exact_margin(high)[0] >= 0:  # only the cubic is negative
+        if exact_margin(high)[0] >= 0:  # only the cubic is negative, not the exact motion
             continue
-        if sample == 1 and exact_margin(low)[0] <= small:  # the margin grows from zero: begin a little later
-            low = 1e-6 * high  # a foot that has just switched may be at its border still
+        if sample == 1 and exact_margin(low)[0] <= small:  # the margin grows from zero: start a little later
+            low = 1e-6 * high  # a foot that has just switched may still be at its switching point
         root = low if exact_margin(low)[0] <= 0 else bracketed_roots(exact_margin, low, high, absolute=1e-13)
         switches.append((float(root[0]), int(number)))
     if not switches:
@@ -444,14 +450,14 @@ def _first_switch(
 
 
 class _Flow:
-    """The exact motion over an interval in which the force is linear, as Taylor polynomials of short parts of it.
+    """The exact motion over an interval in which the force is linear, as Taylor polynomials over short parts of the interval.
 
     Attributes:
         a: of x' = a x + b f.
         b: of x' = a x + b f.
         force: f (n,) at the start and at the end of the interval.
-        length: of the interval [s].
-        polynomials: (parts, TERMS, 2 n) coefficients of the state by powers of the share of each part.
+        length: length of the interval [s].
+        polynomials: (parts, TERMS, 2 n) coefficients of the state, for powers of the share of each part.
     """
 
     def __init__(self, a: Array, b: Array, radius: float, state: Array, force: tuple[Array, Array], length: float) -> None:
@@ -474,7 +480,7 @@ class _Flow:
         return np.asarray((share * parts - part) ** np.arange(TERMS) @ self.polynomials[part])
 
     def rate(self, share: float) -> Array:
-        """The rate of the state there, by time."""
+        """The time derivative of the state after a share of the interval."""
         return np.asarray(self.a @ self.state(share) + self.b @ ((1.0 - share) * self.force[0] + share * self.force[1]))
 
 
@@ -485,7 +491,7 @@ def _repeats(system: MountedPress, ends: Array) -> tuple[Array, int | None]:
     energy = np.hstack([ends[:, :n] @ factors[0], ends[:, n:] @ factors[1]])[1:]
     size = float(np.linalg.norm(energy, axis=1).max()) or 1.0
     change = np.linalg.norm(np.diff(energy, axis=0), axis=1) / size
-    # A motion may repeat itself after up to eight strokes.
+    # periods of up to eight strokes are checked
     for after in range(1, min(8, len(energy) - 1) + 1):
         if np.linalg.norm(energy[-1] - energy[-1 - after]) <= 1e-6 * size:
             return change, after

@@ -5,18 +5,18 @@ The system is M u'' + C u' + K u = f, where f is the wrench that the machine exe
 The coordinates u of each rigid part of the frame are the displacement of its point at the world origin and its small turn,
 (x, y, z, rx, ry, rz) in world axes [m, rad]. First come the coordinates of the bed, then those of the crown if the frame has two parts,
 then those of attachments on springs. A frame that bends has six coordinates of its mean motion, then its free vibrations, see
-`elastic_frame`. Spatial inertias and wrenches are about the world origin too, so that no other point of reference is needed; `frame_parts`
-has the matrices.
+`elastic_frame`. Spatial inertias and wrenches are about the world origin too, so only one point of reference is needed; the matrices are in
+`frame_parts`.
 
-The moving links of the press ride with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
+The links of the press move with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
 M(q) u'' + (terms in u' of the links' relative velocities) = shaking wrench of a frame at rest + forces of the mounts. M(q) is the spatial
-inertia of the whole press; its mean over a period is taken. The terms left out (the change of M over the period, Coriolis forces) are of
-second order: the ratio of moving mass to frame mass times the vibration. Rotors, such as the flywheel, add the gyroscopic term w G u' at
-the crank's speed w to the left side.
+inertia of the whole press; the model uses its mean over a period. It neglects the change of M over the period and Coriolis forces. Compared
+with the vibration, these terms are small in the ratio of moving mass to frame mass. Rotors, such as the flywheel, add the gyroscopic term w
+G u' at the crank's speed w to the left side.
 
-Points and mounts are given where they are under the static load. When the frame turns by t, a static force f (a weight, or the force of a
-mount) at a point p of a part does the work f . (t x (t x p)) / 2 of second order, which is the stiffness f . p - (f p^T + p f^T) / 2
-against turning. It makes a tall press on soft mounts tip, and lets a hanging one swing.
+The places of points and mounts are those under the static load. When the frame turns by t, a static force f (a weight, or the force of a
+mount) at a point p of a part does the second-order work f . (t x (t x p)) / 2. This is the geometric stiffness f . p - (f p^T + p f^T) / 2
+against rotation. It makes a tall press on soft mounts tip, and a hanging press swing.
 """
 
 from __future__ import annotations
@@ -62,18 +62,18 @@ from .frame_parts import (
 )
 from .mounts import Frame, Mount, listed_mounts
 
-MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
+MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, to keep the table finite
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
-BENDING = "bending"  # the motion in which most of the elastic energy is that of the frame
+BENDING = "bending"  # name of a motion in which the frame has most of the elastic energy
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MountedPress(Tabular):
     """A press on its mounts, made by `mounted`. All arrays are read-only.
 
-    There are n coordinates: displacement (x, y, z) and small turn (rx, ry, rz) at the world origin, in world axes [m, rad], of the frame,
-    or of its bed and then of its crown; or those of the mean motion of an elastic frame and then its free vibrations of modal mass 1 kg;
-    then those of each attachment on springs.
+    There are n coordinates. A rigid part has six: displacement (x, y, z) and small rotation (rx, ry, rz) at the world origin, in world axes
+    [m, rad]. First come those of the frame, or of its bed and then of its crown; for an elastic frame, the six of its mean motion and then
+    its free vibrations of modal mass 1 kg. The coordinates of each attachment on springs follow.
 
     Attributes:
         press: the press.
@@ -81,20 +81,22 @@ class MountedPress(Tabular):
         crown: the part that carries crank and guides; None if the frame is one part.
         mounts: mounts between floor and frame.
         uprights: columns between bed and crown.
-        attached: name of what stands on the frame -> what it is.
-        rotors: what spins on the frame.
-        parts: name of a part of the frame, "frame" or "bed" and "crown", of an interface of an elastic frame, whose mean motion is "frame",
-            or of an attachment -> (6, n) its displacement and turn at the world origin by one of each coordinate.
+        attached: name of an attachment -> the attachment.
+        rotors: the rotors on the frame.
+        parts: name of a part -> (6, n) its displacement and rotation at the world origin for a unit of each coordinate. Names are "frame",
+            or "bed" and "crown"; interfaces of an elastic frame, whose mean motion is "frame"; and attachments.
         bed: name of the part on which the loads on the frame act.
         carrier: name of the part that carries crank and guides.
-        rigid: (n, 6) coordinates when everything moves as one body, by its displacement and turn at the world origin.
-        mass: (n, n) mass matrix of frame and press, with moving masses at their mean.
+        rigid: (n, 6) coordinates in the six rigid-body motions of the whole system, each a unit displacement or rotation at the world
+            origin.
+        mass: (n, n) mass matrix of frame and press, with the mean inertia of the moving links.
         damping: (n, n) matrix of viscous damping.
         stiffness: (n, n) stiffness matrix for vibrations, with the effect of the static forces.
         loss: (n, n) imaginary part of the complex stiffness matrix.
-        gyroscopic: (n, n) skew-symmetric matrix of the rotors at a crank speed of 1 rad/s; it is added to ``damping``, times the speed.
+        gyroscopic: (n, n) skew-symmetric matrix of the rotors at a crank speed of 1 rad/s; the product with the speed is added to
+            ``damping``.
         weight: (n,) wrench of all weights about the world origin [N, N m].
-        press_weight: (6,) part of it that the links of the press have.
+        press_weight: (6,) wrench of the weight of the press's links about the world origin [N, N m].
         press_inertia: (6, 6) mean spatial inertia of the links of the press, see the function `press_inertia`.
         mount_load: (mounts, 3) force of each mount on the frame at rest, in world axes [N].
         sag: (mounts, 3) displacement of each mount from its unloaded place, in world axes [m].
@@ -185,7 +187,7 @@ class MountedPress(Tabular):
 
     @cached_property
     def mount_rows(self) -> Array:
-        """(mounts, 3, n) displacement of each mount's point by one of each coordinate."""
+        """(mounts, 3, n) displacement of each mount's point for a unit of each coordinate."""
         return read_only(np.array([rows_at(self.parts[_foot(self.frame, self.bed, mount)], mount.point) for mount in self.mounts]))
 
 
@@ -206,24 +208,25 @@ def mounted(
     Args:
         press: the press. Its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the
             crank.
-        frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force); or a
-            frame that bends, of `beam_frame`, `reduced_frame` or `read_frame`.
-        mounts: mounts between floor and frame. They stand at the interfaces of a frame that bends.
+        frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force); or an
+            elastic frame from `beam_frame`, `reduced_frame` or `read_frame`.
+        mounts: mounts between floor and frame. They are at interfaces if the frame is elastic.
         crown: upper part of the frame, which carries crank and guides.
         uprights: columns between bed and crown, as springs.
-        attached: name -> what stands on the frame, bolted on or on springs, such as the motor; None: nothing.
-        rotors: what spins on the frame, such as flywheel and rotor of the motor. Their masses belong to the parts that carry them.
-        motion: over whose states the inertia of the links is averaged, in equal steps of time; None: one period at constant speed. Several
-            drivers need it, and have no rotors: give their flywheels to the responses.
+        attached: name -> attachment on the frame, bolted on or on springs, such as the motor; None: no attachments.
+        rotors: rotors on the frame, such as flywheel and motor rotor. The masses of the parts that carry them must include their masses.
+        motion: motion in equal steps of time, over which the inertia of the links is averaged; None: one period at constant speed. A press
+            with several drivers needs it and cannot have rotors: give the flywheels to the responses.
 
     Raises:
-        UnknownNameError: an attachment or a rotor names an unknown part of the frame, or an elastic frame a bearing that is not on it.
+        UnknownNameError: an attachment or a rotor names an unknown part of the frame, or an elastic frame names a bearing that is not on
+            it.
         PinpressError: an argument is of another kind, the crank does not turn fully or there are several drivers and no motion is given,
             the motion is of another press, several drivers have rotors, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
 
     Warns:
-        PinpressWarning: the frame is so light compared with the links that its mass may be in t.
+        PinpressWarning: the frame is so light compared with the links that its mass may be given in t.
     """
     mounts = listed_mounts(mounts, "mounts")
     if (crown is None) != (len(uprights) == 0):
@@ -258,7 +261,7 @@ def mounted(
     if isinstance(frame, Frame):
         plausibility.frame_inertia(frame.mass, float(np.linalg.eigvalsh(frame.tensor).max()), press.size)
     links = float(system.press_inertia[0, 0])
-    # No frame weighs less than a twentieth of the links that it carries.
+    # no frame weighs less than a twentieth of the links that it carries
     if (rest := system.total_mass - links) < 0.05 * links:
         caution(
             f"the frame weighs {rest:.4g} kg, the links of {press.name} {links:.4g} kg: give its mass in kg, {rest:.4g}e3 if t are meant"
@@ -293,7 +296,7 @@ def press_inertia(press: Linkage, motion: Motion | None = None) -> Array:
     model, data = press.model, data_of(press.model)
     if motion is None:
         press.refuse_several_drivers("the inertia of its links is the mean over their motion; give motion=servo_cycle(press, ...)")
-        # The mean over 180 poses is exact for harmonics below this order.
+        # the mean over 180 poses is exact for harmonics of order below 180
         period = cycle(press, 1.0, points=180 * (press.period_turns if press.driver_coordinates[0].turns else 1))
     else:
         expect("motion", motion, Motion, "servo_cycle")
@@ -310,19 +313,20 @@ def press_inertia(press: Linkage, motion: Motion | None = None) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class VibrationModes(Tabular):
-    """The n modes of free vibration, by rising frequency. All arrays are read-only.
+    """The n modes of free vibration, in order of rising frequency. All arrays are read-only.
 
     Attributes:
         system: the press on its mounts.
         natural_frequency: (n,) undamped natural frequencies [rad/s].
-        shapes: (n, n) undamped shapes, a mode a column, in the coordinates of `MountedPress`, scaled to a modal mass of 1 kg.
-        damped_frequency: (n,) frequencies of the damped system [rad/s]; zero for a mode that creeps back without swinging.
-        damping_ratio: (n,) damping divided by critical damping, 1 or more for a mode that creeps back [-].
-        eigenvalues: (2 n,) eigenvalues of the damped system in first order, which give damped frequencies and ratios [1/s].
-        motion: (n,) motions with most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ... In a
-            frame of two parts ", against" follows where bed and crown move against each other; along z this is "stretching". The name
-            of an attachment follows where that has more of the energy than the frame: "rocking about y, motor". It is "bending" where
-            most of the elastic energy is that of a frame that bends.
+        shapes: (n, n) undamped mode shapes, one column for each mode, in the coordinates of `MountedPress`, scaled to a modal mass of 1 kg.
+        damped_frequency: (n,) frequencies of the damped system [rad/s]; zero for an overdamped mode.
+        damping_ratio: (n,) damping divided by critical damping, 1 or more for an overdamped mode [-].
+        eigenvalues: (2 n,) eigenvalues of the damped system in first-order form; damped frequencies and damping ratios follow from them
+            [1/s].
+        motion: (n,) name of the motion with most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y",
+            ... In a frame of two parts ", against" follows if bed and crown move against each other; along z this is "stretching". The name
+            of an attachment follows if it has more of the energy than the frame: "rocking about y, motor". The name is "bending" if an
+            elastic frame has most of the elastic energy.
     """
 
     system: MountedPress
@@ -349,7 +353,7 @@ class VibrationModes(Tabular):
             orders: number of harmonics, 1 to 10 000.
 
         Raises:
-            PinpressError: ``orders`` is no whole number in that range.
+            PinpressError: ``orders`` is not a whole number in this range.
         """
         return np.asarray(self.natural_frequency / np.arange(1, whole_number("orders", orders, 1, MOST_ORDERS) + 1)[:, None])
 
@@ -366,11 +370,11 @@ class VibrationModes(Tabular):
 
 @typed
 def modes(system: MountedPress) -> VibrationModes:
-    """Find the modes of free vibration of a press on its mounts at standstill; with rotors that spin, `whirl` finds them.
+    """Find the modes of free vibration of a press on its mounts at standstill; for spinning rotors use `whirl`.
 
-    Natural frequencies and shapes are those of mass and stiffness alone; damped frequencies and damping ratios come from the eigenvalues of
-    the damped system in first order, each of the mode that takes most part in its motion. A loss factor counts as the viscous damping that
-    loses as much energy at each mode's own frequency.
+    Natural frequencies and shapes follow from mass and stiffness alone. Damped frequencies and damping ratios follow from the eigenvalues
+    of the damped system in first-order form; each eigenvalue is assigned to the mode with the largest part in its eigenvector. A loss
+    factor counts as the viscous damping with the same energy loss at each mode's own frequency.
 
     Args:
         system: the press on its mounts.
@@ -393,31 +397,31 @@ def modes(system: MountedPress) -> VibrationModes:
 
 
 def natural_modes(system: MountedPress) -> tuple[Array, Array]:
-    """Squares of the natural frequencies (n,), rising [rad2/s2], and shapes (n, n), a mode a column, of modal mass 1 kg."""
-    # M = A A^T, K = B B^T: the singular values of B^-1 A are the reciprocal frequencies. The lowest are precise even if a stiff frame has
-    # frequencies that are very much higher.
+    """Squares of the natural frequencies (n,), rising [rad2/s2], and mode shapes (n, n), one column for each mode, of modal mass 1 kg."""
+    # with M = A A^T and K = B B^T, the singular values of B^-1 A are the reciprocal frequencies; so the lowest frequencies are precise even
+    # if a stiff frame has very much higher ones
     mass_factor = np.linalg.cholesky(system.mass)
     _, reciprocal, vectors = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(system.stiffness), mass_factor))
     return np.asarray(reciprocal**-2), np.linalg.solve(mass_factor.T, vectors.T)
 
 
 def quadrature(system: MountedPress) -> Array:
-    """Matrix (n, n) from velocities to the displacements a quarter of a period later: each mode's velocity divided by its frequency [s].
+    """Matrix (n, n) that divides the velocity of each mode by its natural frequency [s]: the displacement a quarter of a period later.
 
-    It makes a loss factor act in time: stiffness times loss factor times this displacement is a force that loses at each mode's own
-    frequency as much energy as in the frequency domain, so that no reference frequency has to be chosen.
+    It defines loss factors in the time domain: the force is stiffness x loss factor x this displacement. At each mode's own frequency the
+    energy loss is the same as in the frequency domain, so no reference frequency has to be chosen.
     """
     squared, shapes = natural_modes(system)
     return np.asarray((shapes / np.sqrt(squared)) @ shapes.T @ system.mass)
 
 
 def _resisting(system: MountedPress) -> Array:
-    """Matrix (n, n) of forces by velocities of dampers and of losses at each mode's own frequency [N s/m]."""
+    """Damping matrix (n, n) of dampers and of losses at each mode's own frequency [N s/m]."""
     return np.asarray(system.damping + system.loss @ quadrature(system))
 
 
 def state_matrix(system: MountedPress, speed: float = 0.0) -> Array:
-    """Matrix (2 n, 2 n) of free vibration at a speed of the crank [rad/s]: d/dt of (displacements, velocities) from these."""
+    """State matrix (2 n, 2 n) of free vibration at a crank speed [rad/s]: from (displacements, velocities) to their time derivative."""
     n = len(system.mass)
     solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, _resisting(system) + speed * system.gyroscopic]))
     return np.block([[np.zeros((n, n)), np.eye(n)], [-solved[:, :n], -solved[:, n:]]])
@@ -470,14 +474,14 @@ def _assemble(
     )
     static = together([spring.mount.static for spring in springs]) + np.diag(own_stiffness)
     others = np.setdiff1d(np.arange(count), elastic)
-    across = static[np.ix_(elastic, others)]  # the coordinates of an elastic frame follow the others without a force
+    across = static[np.ix_(elastic, others)]  # static condensation: no force acts on the modal coordinates of an elastic frame
     condensed = static[np.ix_(others, others)] - across.T @ np.linalg.solve(static[np.ix_(elastic, elastic)], across)
     refuse_loose(condensed, "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
     rest = np.linalg.solve(static, weight)
     sag = np.array([row @ rest for row in rows[: len(mounts)]])
     load = -np.array([mount.static for mount in mounts]) * sag
     refuse_pulled(load, gravity)
-    # The static forces turn with the mean motion of an elastic frame.
+    # the static forces rotate with the mean motion of an elastic frame
     turning = parts | dict.fromkeys(frame_parts, parts[WHOLE]) if isinstance(frame, ElasticFrame) else parts
     acting = [(turning[body.part], body.inertia[0, 0] * gravity, centre_of(body.inertia)) for body in moved]
     for spring, row in zip(springs, rows, strict=True):
@@ -534,7 +538,7 @@ def _foot(frame: Frame | ElasticFrame, bed: str, mount: Mount) -> str:
 
 
 def motion_in_words(system: MountedPress, shape: Array) -> str:
-    """The motion with most of the kinetic energy of a mode shape (n,), as in `VibrationModes.motion`."""
+    """Name of the motion with most of the kinetic energy in a mode shape (n,), as in `VibrationModes.motion`."""
     own = [WHOLE] if isinstance(system.frame, ElasticFrame) else [part for part in system.parts if part not in system.attached]
     sprung = [name for name, each in system.attached.items() if each.springs]
     moved = {part: _motion_of_part(system, part, shape) for part in (*own, *sprung)}
@@ -553,7 +557,7 @@ def motion_in_words(system: MountedPress, shape: Array) -> str:
 
 
 def _motion_of_part(system: MountedPress, part: str, shape: Array) -> tuple[Array, Array]:
-    """Velocity of a part's centre of mass and its turn (6,) in a mode shape (n,), and its kinetic energy in each, twice (6,)."""
+    """Displacement of a part's centre of mass and its rotation (6,) in a mode shape (n,), and twice the kinetic energy (6,) in each."""
     motion, rows = system.parts[part], system.parts[part].any(axis=0)
     body = np.linalg.pinv(motion[:, rows]).T @ system.mass[np.ix_(rows, rows)] @ np.linalg.pinv(motion[:, rows])
     u, mass, centre = motion @ shape, body[0, 0], centre_of(body)

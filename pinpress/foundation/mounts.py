@@ -1,10 +1,10 @@
 """Rubber pads below a frame, and the mounts that they make.
 
-`RubberPad` finds the stiffness of a pad from its size and hardness. Rubber hardly changes its volume, so that a flat pad between two plates
-is far stiffer in compression than in shear. The shape factor is S = loaded area / area free to bulge; for small strains (Gent and Lindley
+`RubberPad` finds the stiffness of a pad from its size and hardness. Rubber is nearly incompressible, so a flat pad between two plates is
+far stiffer in compression than in shear. The shape factor is S = loaded area / area free to bulge; for small strains (Gent and Lindley
 1959; Lindley, Engineering Design with Natural Rubber):
 
-    E_c = 3 G (1 + 2 S^2), softened by the bulk modulus B: 1 / E = 1 / E_c + 1 / B
+    E_c = 3 G (1 + 2 S^2), and with the bulk modulus B: 1 / E = 1 / E_c + 1 / B
     k_z = E A / t,  k_x = k_y = G A / t
 
 The hardness gives the shear modulus by Gent's formula (Gent 1958), 3 G = 0.0981 (56 + 7.62336 H) / (0.137505 (254 - 2.54 H)) MPa.
@@ -42,7 +42,7 @@ class RubberPad(Checked):
         bulk_modulus: bulk modulus of the rubber [Pa].
 
     Raises:
-        PinpressError: a number is out of its range, or both or none of hardness and shear modulus are given.
+        PinpressError: a number is out of its range, or not exactly one of hardness and shear modulus is given.
     """
 
     length: float = field(metadata=parameter("m", "positive"))
@@ -84,7 +84,7 @@ class RubberPad(Checked):
         """Static shear modulus G, as given or from the hardness [Pa]."""
         if self.shear_modulus is not None:
             return self.shear_modulus
-        hardness = self.hardness or math.nan  # one of the two is given
+        hardness = self.hardness or math.nan  # one of hardness and shear modulus is always given
         return 0.0981e6 * (56 + 7.62336 * hardness) / (0.137505 * (254 - 2.54 * hardness)) / 3
 
     @property
@@ -100,7 +100,7 @@ class RubberPad(Checked):
 
     @property
     def stiffness(self) -> tuple[float, float, float]:
-        """(3,) stiffness for vibrations along x, y and z, the static one times ``stiffening`` [N/m]."""
+        """(3,) stiffness for vibrations along x, y and z, static stiffness x ``stiffening`` [N/m]."""
         x, y, z = self.static_stiffness
         return x * self.stiffening, y * self.stiffening, z * self.stiffening
 

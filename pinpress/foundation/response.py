@@ -1,10 +1,10 @@
-"""Vibration of a press on its mounts: motion of points of the frame, and force on the floor, in the steady state or in time.
+"""Vibration of a press on its mounts: motion of points of the frame, and force on the floor, in the steady state or over time.
 
-The frame is shaken by the shaking force and moment of the machine, weight excluded, and by a flywheel that changes its speed.
+The excitation is the shaking force and moment of the machine, weight excluded, and the reaction of a flywheel whose speed changes.
 
-In the steady state each harmonic of a periodic motion is solved by itself, (K + i K'' + i w C - w^2 M) U = F, which is exact for forces
-that the states resolve. In time the force is taken as linear between two states. Then a step of the linear system is exact for any length
-of the step (first-order hold: the matrix exponential of (x, f, f') over a step).
+In the steady state each harmonic of a periodic motion is solved separately, (K + i K'' + i w C - w^2 M) U = F. This is exact for forces
+that the states resolve. Over time the force is assumed to be linear between two states. Then a step of the linear system is exact for any
+step size (first-order hold: the matrix exponential of (x, f, f') over a step).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from .frame_parts import rows_at
 from .mounted_press import MountedPress, quadrature, state_matrix
 
 SOLVED_AT_ONCE = 2**22  # entries of the matrices of harmonics that are solved together: 64 MB
-NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
+NOTHING = 1e-9  # a shaking force below this share of the weight is a rounding error
 EVEN = 1e-9  # the crank's speed is constant up to this relative difference
 SAME_STEP = 1e-6  # relative difference up to which steps of time are equal
 SAME_SPEED = 1e-6  # relative difference up to which speeds at both ends of a period, or of flywheel and crank, are equal
@@ -48,29 +48,29 @@ def steady_response(
 ) -> FrameMotion:
     """The vibration over one period, after the initial vibration has died away.
 
-    Gyroscopic moments of rotors are those at the mean speed.
+    Gyroscopic moments of rotors are computed at the mean speed.
 
     Args:
         system: the press on its mounts.
-        reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`; with
-            ``period`` over that of any motion in equal steps of time, as `servo_cycle` makes them, of one driver or several.
-        points: name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
-            ("crown", (x, y, z)) one of the crown; ("motor", (x, y, z)) is one of the attachment of that name. Of
-            an elastic frame it is a node of its model; the name of an interface, or (interface, (x, y, z)) for what moves with that.
-        flywheel: flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
-            axis divided by the crank's speed. For a flywheel on another shaft this is its inertia times the ratio of its speed to the
-            crank's, negative where it turns the other way. Of several drivers a mapping of their names to their flywheels.
-        period: after which the motion begins again, where it is neither at constant speed nor a steady state [s].
+        reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`. With
+            ``period``, over one period of any motion in equal steps of time, e.g. of `servo_cycle`, with one or several drivers.
+        points: name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, ("crown", (x, y, z))
+            is a point of the crown, and ("motor", (x, y, z)) a point of the attachment "motor". In an elastic frame (x, y, z) is a node of
+            its model; or give the name of an interface, or (interface, (x, y, z)) for a point that moves with the interface.
+        flywheel: flywheel on the crank's shaft; it has an effect only if the speed changes. Its inertia is angular momentum about the
+            crank's axis / crank speed: for a flywheel on another shaft, inertia x (flywheel speed / crank speed), negative if it turns the
+            other way. For several drivers, a mapping from driver name to flywheel.
+        period: time after which the motion repeats itself, if it is neither at constant speed nor a steady state [s].
 
     Raises:
-        PinpressError: the reactions are of another press, the motion is no period, its states are too few for the shaking force, a point or
-            the flywheel is not as described, or a harmonic meets a natural frequency without damping; rotors spin, whose speed changes
+        PinpressError: the reactions are of another press, the motion is not one period, it has too few states for the shaking force, a
+            point or the flywheel is not as described, a harmonic meets a natural frequency without damping, or the speed of rotors changes
             over the ``period``.
     """
     placed = named_points(system, points)
     length, states = period_of(reactions.motion, period)
     speed = reactions.motion.crank_speed
-    # Rotors spin at the mean speed of the crank, as long as its speed changes by less than a twentieth.
+    # rotors count as spinning at the crank's mean speed if its speed changes by less than a twentieth
     if period is not None and system.gyroscopic.any() and np.ptp(speed) > 0.05 * np.abs(speed).max():
         raise PinpressError(
             "the rotors change their speed over the period, and with it their moments: use time_response, or leave the rotors out"
@@ -96,9 +96,10 @@ def steady_response(
 
 @typed
 def time_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheels = None) -> FrameMotion:
-    """The vibration over time of a frame that is at rest in its static position at first.
+    """The vibration over time of a frame that is initially at rest in its static position.
 
-    A motion that begins at full speed hits the frame at rest; the vibration by this start dies away with the modes' damping.
+    A motion that begins at full speed is a sudden load on the frame at rest; the vibration from this start dies away with the modes'
+    damping.
 
     Args:
         system: the press on its mounts.
@@ -130,12 +131,12 @@ def time_response(system: MountedPress, reactions: Reactions, *, points: Points,
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrameMotion(Tabular):
-    """Vibration about the static position at n states. All arrays are read-only.
+    """Vibration about the static position in n states. All arrays are read-only.
 
     Attributes:
         system: the press on its mounts.
         time: (n,) times of the states, from zero [s].
-        period: length of the period whose states these are, its end left out [s]; None for a motion that is no period.
+        period: period of the motion; its end is not among the states [s]; None if the motion is not one period.
         displacement: name of a point -> (n, 3) in world axes [m].
         velocity: name of a point -> (n, 3) in world axes [m/s].
         acceleration: name of a point -> (n, 3) in world axes [m/s2].
@@ -174,16 +175,16 @@ class FrameMotion(Tabular):
         wrench: Array,
         period: float | None,
     ) -> FrameMotion:
-        """The motion of points from that of the coordinates.
+        """The motion of points from the motion of the coordinates.
 
         Args:
             system: the press on its mounts.
             time: (n,) times of the states [s].
-            points: name of a point -> (3, coordinates) its displacement by one of each coordinate.
+            points: name of a point -> (3, coordinates) its displacement for a unit of each coordinate.
             motion: displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
             mount_force: (n, mounts, 3) force of each mount on the frame in addition to its static load [N].
-            wrench: (n, coordinates) wrenches on the parts of the frame, as of `frame_wrench` [N, N m].
-            period: length of the period [s]; None for a motion that is no period.
+            wrench: (n, coordinates) wrenches on the parts of the frame, from `frame_wrench` [N, N m].
+            period: length of the period [s]; None if the motion is not one period.
         """
         moved = [{name: np.array(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
@@ -204,12 +205,12 @@ class FrameMotion(Tabular):
 
     @property
     def from_rest(self) -> bool:
-        """Whether the frame is at rest in its static position at first."""
+        """Whether the frame is initially at rest in its static position."""
         return self.period is None and not self.coordinates[0].any()
 
     @property
     def transmitted(self) -> float:
-        """Force on the floor divided by the shaking force, both as root mean square about their means [-].
+        """Force on the floor divided by the shaking force, both as rms about their means [-].
 
         Raises:
             PinpressError: the shaking force is zero.
@@ -223,13 +224,13 @@ class FrameMotion(Tabular):
     def least_load(self) -> Array:
         """(mounts,) smallest vertical load on each mount, the static load included [N].
 
-        Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold: see `lifting_response`.
+        If it is negative, a mount that is not bolted down lifts off and the linear model is not valid: see `lifting_response`.
         """
         least: Array = (self.system.upward_load + self.mount_force @ self.system.press.up).min(axis=0)
         return least
 
     def rms(self, point: str) -> Array:
-        """(3,) root mean square of a point's acceleration about its mean, in world axes [m/s2].
+        """(3,) rms of a point's acceleration about its mean, in world axes [m/s2].
 
         Raises:
             UnknownNameError: there is no such point.
@@ -261,20 +262,20 @@ class FrameMotion(Tabular):
 
 @typed
 def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel | Mapping[str, Flywheel]) -> Array:
-    """Moment of flywheels on the frame, the sum of -J w' about the axis of each one's crank.
+    """Moment of flywheels on the frame: the sum of -J w' about the crank axis of each flywheel.
 
     Args:
         press: a press whose driver joints are on the frame.
         motion: a motion of this press.
-        flywheel: flywheel on the crank's shaft; for one on another shaft see `steady_response`. Of several drivers a mapping of the names
-            of drivers to their flywheels.
+        flywheel: flywheel on the crank's shaft; for another shaft see `steady_response`. For several drivers, a mapping from driver name to
+            flywheel.
 
     Returns:
         (states, 3) moment in world axes [N m].
 
     Raises:
-        PinpressError: a flywheel has the inertias of several scenarios, its driver joint slides or is not on the frame, no driver is named
-            where there are several, or a clutch between flywheel and crank slips.
+        PinpressError: a flywheel has the inertias of several scenarios, its driver joint slides or is not on the frame, there are several
+            drivers and none is named, or a clutch between flywheel and crank slips.
         UnknownNameError: there is no driver of that name.
     """
     if isinstance(flywheel, Flywheel):
@@ -316,12 +317,11 @@ def mean_speed(system: MountedPress, motion: Motion) -> float:
 
 
 def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels) -> Array:
-    """Forces (states, n) of the machine on the coordinates of the frame, less the weight at its mean place [N, N m].
+    """Forces (states, n) of the machine on the coordinates of the frame, less the weight at its mean position [N, N m].
 
-    In a frame of two parts the loads on the frame act on the bed, and everything else on the crown; in one that bends, they act at the
-    interfaces that it names for bed, crank and bearings. The torque of a motor on the frame is no load: its casing exerts on the frame the
-    reaction to what its rotor gives the crank. The flywheel is not in the URDF; see `flywheel_moment`. Rotors react to their own changes of
-    speed.
+    In a frame of two parts the loads on the frame act on the bed, and all other forces on the crown. In an elastic frame they act at its
+    interfaces for bed, crank and bearings. The torque of a motor on the frame is not a load: the casing exerts on the frame the reaction to
+    the rotor's torque on the crank. The flywheel is not in the URDF; see `flywheel_moment`. Rotors react to changes of their own speed.
 
     Raises:
         PinpressError: the reactions are of another press, there are both rotors and a flywheel, or as `flywheel_moment`.
@@ -356,10 +356,10 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels
 
 
 def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
-    """Rows (3, n) that give the displacement of each named point from the coordinates.
+    """Rows (3, n) of the displacement of each named point, for the coordinates.
 
     Raises:
-        PinpressError: ``points`` is no mapping of names to points.
+        PinpressError: ``points`` is not a mapping from names to points.
         UnknownNameError: a point is on a part that the frame does not have.
     """
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
@@ -383,15 +383,16 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
 
 
 def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) -> ComplexArray:
-    """Harmonics of a wrench, checked; the highest one of an even number of states is set to zero, because its phase is not known.
+    """Harmonics of a wrench, checked. For an even number of states the highest harmonic is set to zero, because its phase is unknown.
 
     Args:
-        harmonics: (k, n) as `numpy.fft.rfft` gives them; changed in place.
+        harmonics: (k, n) from `numpy.fft.rfft`; changed in place.
         states: number of states of the period.
         size_of_all: size of the forces that the wrench was worked out from, to which rounding is relative [N].
 
     Raises:
-        PinpressError: the last third of the harmonics is more than rounding: the force has jumps, or corners too sharp for the states.
+        PinpressError: the last third of the harmonics is larger than rounding errors: the force has jumps, or too sharp corners for the
+            states.
     """
     if (enough := states_enough(harmonics, states, size_of_all)) > states:
         raise PinpressError(
@@ -404,7 +405,7 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
 
 
 def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Flywheels = None) -> int:
-    """Number of states of the period that `steady_response` needs: that of these reactions, or more; see `states_enough`.
+    """Number of states of the period that `steady_response` needs: the number in these reactions, or more; see `states_enough`.
 
     Raises:
         PinpressError: the reactions are of another press, or the motion is no period.
@@ -421,7 +422,7 @@ def spectrum(
 
 
 def states_enough(harmonics: ComplexArray, states: int, size_of_all: float) -> int:
-    """Number of states of the period that resolve a wrench: these, or more, about as many as a force that jumps needs.
+    """Number of states of the period that resolve a wrench: the given number, or a larger one that is about enough for a force that jumps.
 
     Args:
         harmonics: (k, n) as `numpy.fft.rfft` gives them.
@@ -431,20 +432,20 @@ def states_enough(harmonics: ComplexArray, states: int, size_of_all: float) -> i
     size = np.abs(harmonics[1:]).max(axis=1)
     tail, largest = size[2 * len(size) // 3 :].max(initial=0.0), size.max(initial=0.0)
     unresolved = 1e-3 * largest  # states resolve a force if the last third of its harmonics are smaller
-    if tail <= unresolved or tail <= 1e-9 * states * size_of_all:  # a billionth of weight and forces is rounding
+    if tail <= unresolved or tail <= 1e-9 * states * size_of_all:  # a billionth of weight and forces is a rounding error
         return states
-    # Harmonics of a jump fall as one over their order. That is an estimate, so a tenth more states are asked for.
+    # the harmonics of a jump fall as 1 / order; this is an estimate, so a tenth more states are required
     return 100 * int(np.ceil(1.1 * states * tail / unresolved / 100))
 
 
 def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray, speed: ArrayLike = 0.0) -> ComplexArray:
-    """Complex amplitudes (..., n) of the coordinates under those of the wrench (..., n) at angular frequencies (...) [rad/s].
+    """Complex amplitudes (..., n) of the coordinates for amplitudes (..., n) of the wrench at angular frequencies (...) [rad/s].
 
     Args:
         system: the press on its mounts.
         frequency: (...) angular frequencies [rad/s].
         harmonics: (..., n) amplitudes of the wrench.
-        speed: speed of the crank, with which the rotors spin, one or (...) [rad/s].
+        speed: crank speed at which the rotors spin, a number or (...) [rad/s].
 
     Raises:
         PinpressError: a frequency is a natural frequency without damping.
@@ -468,7 +469,7 @@ def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: C
 
 
 def mount_forces(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> ComplexArray:
-    """Complex amplitudes (..., mounts, 3) of the forces of the mounts on the frame [N], from those of the coordinates (..., n)."""
+    """Complex amplitudes (..., mounts, 3) of the forces of the mounts on the frame [N], from amplitudes (..., n) of the coordinates."""
     stiffness, damping, loss = mount_constants(system)
     w = frequency[..., None, None]
     return np.asarray(-(stiffness + 1j * (np.sign(w) * loss + w * damping)) * np.einsum("mkj,...j->...mk", system.mount_rows, amplitude))
@@ -481,10 +482,10 @@ def mount_constants(system: MountedPress) -> tuple[Array, Array, Array]:
 
 
 def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, motion: Motion) -> tuple[Array, Array, Array]:
-    """Displacements, velocities and accelerations (states, n) from rest under wrenches (states, n) that are linear in between.
+    """Displacements, velocities and accelerations (states, n) from rest, under wrenches (states, n) that are linear between states.
 
-    If the speed w of the rotors changes about its mean, their further moments, -(w - mean) G u' - w' G u, are taken as linear between two
-    states too; those at the end of a step are solved together with the step.
+    If the speed w of the rotors changes about its mean, the additional moments -(w - mean) G u' - w' G u are also assumed to be linear
+    between two states. The moments at the end of a step are solved together with the step.
 
     Raises:
         PinpressError: the vibration is not finite.
@@ -494,7 +495,7 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
     free, early, late = step_matrices(a, b, interval)
     driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
     states, unsteady = np.zeros((len(wrench), 2 * n)), system.gyroscopic.any() and np.ptp(speed) > EVEN * np.abs(speed).max()
-    spun = np.zeros((len(wrench), n))  # moments of the rotors by changes of speed
+    spun = np.zeros((len(wrench), n))  # moments of the rotors from changes of speed
     state = states[0]
     for k in range(len(driven)):
         state = free @ state + driven[k]
@@ -510,7 +511,7 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
 
 
 def step_matrices(a: Array, b: Array, interval: float) -> tuple[Array, Array, Array]:
-    """Matrices of an exact step of x' = a x + b f where f is linear in it: of x, of f at its start, and of f at its end."""
+    """Matrices of an exact step of x' = a x + b f with f linear over the step: for x, for f at the start, and for f at the end."""
     from scipy.linalg import expm  # slow to import
 
     n, m = b.shape
@@ -522,20 +523,20 @@ def step_matrices(a: Array, b: Array, interval: float) -> tuple[Array, Array, Ar
 
 
 def period_of(motion: Motion, period: float | None = None) -> tuple[float, int]:
-    """Length of the period of a motion [s], and the number of its states at equal intervals of time, the end left out.
+    """Length of the period of a motion [s], and the number of its states at equal intervals of time, without the end.
 
     Args:
         motion: the motion.
-        period: its length, where it is given [s].
+        period: the length of the period, if given [s].
 
     Raises:
-        PinpressError: the motion is neither one period at constant speed nor one of a steady state, and no period is given, or the states
-            do not reach to its end in equal steps.
+        PinpressError: no period is given and the motion is not one period at constant speed or of a steady state, or the states do not fill
+            the period in equal steps.
     """
     states, speed = len(motion.crank_angle), motion.crank_speed
     if period is not None:
         period, step = number("period", period, "s", positive=True), time_step(motion)
-        for count in (states, states - 1):  # the state at the end of the period may be there or not
+        for count in (states, states - 1):  # the states may or may not include the end of the period
             if abs(count * step - period) <= SAME_STEP * step:
                 return period, count
         raise PinpressError(
@@ -546,7 +547,7 @@ def period_of(motion: Motion, period: float | None = None) -> tuple[float, int]:
     if is_cycle(motion):
         if np.ptp(speed) <= EVEN * np.abs(speed).max() and not motion.crank_acceleration.any():
             return angle / abs(float(speed[0])), states
-    elif isinstance(motion, Run) and speed.ndim == 1:  # several drivers have no one turn
+    elif isinstance(motion, Run) and speed.ndim == 1:  # a turn is not defined for several drivers
         turned = abs(motion.crank_angle[-1] - motion.crank_angle[0])
         if (
             turned > 0.5 * angle
@@ -564,7 +565,7 @@ def time_step(motion: Motion) -> float:
     """Interval of time between the states of a motion [s].
 
     Raises:
-        PinpressError: there are fewer than two states, or they are not at equal intervals.
+        PinpressError: there are fewer than two states, or their intervals differ.
     """
     steps = np.diff(motion.time)
     if not len(steps) or steps.min() <= 0 or np.ptp(steps) > SAME_STEP * steps.mean():
@@ -573,5 +574,5 @@ def time_step(motion: Motion) -> float:
 
 
 def rms_about_mean(force: Array) -> float:
-    """Root mean square of a vector (n, 3) about its mean, all components together."""
+    """Rms of a vector (n, 3) about its mean, all components together."""
     return float(np.sqrt((force.std(axis=0) ** 2).sum()))

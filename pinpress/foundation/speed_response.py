@@ -1,10 +1,10 @@
-"""An idle press on its mounts over its range of speeds: its vibration, and the stiffest mounts that keep it from shaking the floor.
+"""An idle press on its mounts over its range of speeds: its vibration, and the stiffest mounts that isolate the floor from it.
 
-The shaking wrench of an idle press at constant speed has two parts: one by the weights of the moving links, which is equal at all speeds,
-and one that grows with the speed squared. Two cycles give both, and these give all speeds at once.
+The shaking wrench of an idle press at constant speed has two parts. The part from the weights of the moving links is the same at all
+speeds; the other part is proportional to the squared speed. Two cycles determine both parts, and so the wrench at all speeds.
 
-Mounts isolate vibrations faster than sqrt(2) times their natural frequency, and softer mounts isolate better; but soft mounts sag, and the
-press sways or tips on them.
+Mounts isolate vibrations above sqrt(2) times the natural frequency. Softer mounts isolate better, but they sag more, and the press sways or
+tips on them.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ STATES = 360  # states of a turn, which resolve harmonics to order 179
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SpeedResponse(OfPress, Tabular):
-    """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
+    """Steady-state vibration of an idle press at s speeds. All arrays are read-only.
 
     Attributes:
         press_name: name of the press.
         speed: (s,) speeds of the crank [rad/s].
-        rms: name of a point -> (s, 3) root mean square of its acceleration about its mean, in world axes [m/s2].
+        rms: name of a point -> (s, 3) rms of its acceleration about its mean, in world axes [m/s2].
         peak: name of a point -> (s, 3) largest absolute acceleration, in world axes [m/s2].
         displacement: name of a point -> (s, 3) largest absolute displacement, in world axes [m].
-        shaking_force: (s,) root mean square of the shaking force without the weight, all components together [N].
-        floor_force: (s,) root mean square of the force on the floor without the weight, all components together [N].
+        shaking_force: (s,) rms of the shaking force, weight excluded, all components together [N].
+        floor_force: (s,) rms of the force on the floor, weight excluded, all components together [N].
     """
 
     _press: Linkage
@@ -72,9 +72,9 @@ class SpeedResponse(OfPress, Tabular):
         return self.floor_force / self.shaking_force
 
     def growth(self, point: str) -> Array:
-        """(s,) exponent p with which a point's acceleration grows as speed^p around each speed, all directions together [-].
+        """(s,) exponent p of the local growth speed^p of a point's acceleration at each speed, all directions together [-].
 
-        It is 2 on mounts so stiff that the frame hardly moves on them, and larger towards a resonance.
+        It is 2 on very stiff mounts, on which the frame hardly moves, and larger just below a resonance.
 
         Raises:
             PinpressError: the point vibrates at fewer than two speeds.
@@ -95,7 +95,7 @@ class SpeedResponse(OfPress, Tabular):
 
 @typed
 def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> SpeedResponse:
-    """The steady vibration of the idle press at many speeds.
+    """The steady-state vibration of the idle press at many speeds.
 
     Args:
         system: the press on its mounts.
@@ -109,7 +109,7 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
     speed, rows = rising_speeds("speeds", speeds), named_points(system, points)
     frequency, harmonics = wrench_spectra(system, speed)
     amplitude = displacement_amplitudes(system, frequency, harmonics, speed[:, None])
-    amplitude[:, 0] = 0.0  # the mean is no vibration, but rounding of the weight
+    amplitude[:, 0] = 0.0  # the mean is a rounding error of the weight, not a vibration
     states = _states(system)
     by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
     acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
@@ -126,9 +126,9 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
 
 @typed
 def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = "z") -> Array:
-    """Force on the floor along an axis, divided by a harmonic force along it through the mean centre of mass of frame and press.
+    """Force on the floor along an axis / harmonic force along this axis through the mean centre of mass of frame and press.
 
-    The rotors stand still.
+    The rotors do not spin.
 
     Args:
         system: the press on its mounts.
@@ -139,8 +139,8 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = 
         (f,) ratios of the amplitudes [-].
 
     Raises:
-        PinpressError: the frequencies are not positive and rising, the axis is another, or a frequency is a natural frequency without
-            damping.
+        PinpressError: the frequencies are not positive and rising, the axis is not "x", "y" or "z", or a frequency is a natural frequency
+            without damping.
     """
     along = axis_index(axis)
     w = rising_speeds("frequency", frequency)
@@ -156,7 +156,7 @@ class Isolation(Tabular):
     Attributes:
         system: the press on these mounts.
         mounts: the mounts.
-        factor: their stiffness divided by that of the mounts given [-].
+        factor: stiffness of the mounts / stiffness of the given mounts [-].
         speed: (s,) speeds of the crank [rad/s].
         transmitted: (s,) force on the floor divided by the shaking force at each speed [-].
     """
@@ -173,7 +173,7 @@ class Isolation(Tabular):
         return f"Isolation of {self.system.press.name}: {self.factor:.4g} times the stiffness, {most:.3g} transmitted at {speeds}"
 
     def columns(self) -> dict[str, Array]:
-        """Speed and share transmitted. The mounts are in the columns of ``system``."""
+        """Speed and transmitted share. The columns of ``system`` list the mounts."""
         return {"speed [rad/s]": self.speed, "transmitted [-]": self.transmitted}
 
     @property
@@ -197,21 +197,22 @@ def isolate(
     transmitted: float,
     sag: float | None = None,
 ) -> Isolation:
-    """Find the stiffest mounts with which the idle press passes on at most a share of its shaking force at every one of its speeds.
+    """Find the stiffest mounts that transmit at most a given share of the idle press's shaking force at all given speeds.
 
-    All stiffnesses of the given mounts are multiplied by one factor, and their damping by its root, which keeps the damping ratios.
+    All stiffnesses of the given mounts are multiplied by one factor, and their damping by the root of the factor, which keeps the damping
+    ratios.
 
     Args:
         press: a press with one driver, which turns fully.
         frame: the frame, in one part.
-        mounts: places of the mounts, and their stiffnesses up to the factor.
-        speeds: (s,) speeds of the crank, positive and rising, so close that no resonance falls between two [rad/s].
-        transmitted: largest ratio of the force on the floor to the shaking force, both as root mean square, between 0 and 1 [-].
-        sag: largest displacement of a mount at rest [m]; None: any.
+        mounts: the mounts, whose stiffnesses are multiplied by the factor.
+        speeds: (s,) speeds of the crank, positive and rising, in steps so small that no resonance lies unseen between two speeds [rad/s].
+        transmitted: largest ratio of the force on the floor to the shaking force, both as rms, between 0 and 1 [-].
+        sag: largest permissible displacement of a mount at rest [m]; None: no limit.
 
     Raises:
-        PinpressError: an argument is not as described, nothing shakes the frame, or no mounts meet the demands; the message says
-            which conflict.
+        PinpressError: an argument is not as described, nothing shakes the frame, or no mounts meet the demands; the message names the
+            demands that conflict.
     """
     speed, mounts = rising_speeds("speeds", speeds), listed_mounts(mounts, "mounts")
     wanted = "a share, more than 0 and less than 1"
@@ -229,13 +230,13 @@ def isolate(
     def transmit(factor: float) -> Array:
         try:
             system = with_mounts(as_given, _scale(mounts, factor))
-        except PinpressError:  # it tips
+        except PinpressError:  # the press tips over
             return np.full(len(speed), np.inf)
         return floor_rms(system, frequency, displacement_amplitudes(system, frequency, harmonics)) / shaking
 
     wish = f"pass on at most {limit:g} of the shaking force between {speed[0] / RPM:.4g} and {speed[-1] / RPM:.4g} per min"
-    # From mounts that are far too stiff to isolate to mounts that are far too soft to stand on: with the lowest natural frequency at four
-    # times the highest and at a hundredth of the lowest speed.
+    # the range is surely wide enough: from a lowest natural frequency of four times the highest speed (no isolation) to a hundredth of the
+    # lowest speed (too soft to stand on)
     lowest = float(natural_modes(as_given)[0][0])
     factors = np.geomspace((4.0 * speed[-1]) ** 2 / lowest, (0.01 * speed[0]) ** 2 / lowest, 97)
     factor = _stiffest_factor(transmit, factors, limit, wish)
@@ -251,10 +252,11 @@ def isolate(
 
 
 def _stiffest_factor(transmit: Callable[[float], Array], factors: Array, limit: float, wish: str) -> float:
-    """The largest factor of the stiffness at which ``transmit`` returns shares (s,) up to the limit, refined between two of falling trials.
+    """The largest factor of the stiffness at which all shares (s,) of ``transmit`` are within the limit, refined between two of the falling
+    trial factors.
 
     Raises:
-        PinpressError: no trial transmits so little; ``wish``: what was to be reached, for the message.
+        PinpressError: no trial factor keeps the limit; ``wish``: the demand as text, for the message.
     """
     worst: list[float] = []
     for factor in factors:
@@ -276,13 +278,13 @@ def _stiffest_factor(transmit: Callable[[float], Array], factors: Array, limit: 
 
 
 def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexArray]:
-    """Angular frequencies (s, k) [rad/s] and harmonics (s, k, n) of the wrench on the frame at each speed, as `numpy.fft.rfft` gives them.
+    """Angular frequencies (s, k) [rad/s] and harmonics (s, k, n) of the wrench on the frame at each speed, scaled as in `numpy.fft.rfft`.
 
-    The highest harmonics, which are rounding, are left out.
+    The highest harmonics are left out, because they are rounding errors.
     """
     press, fast = system.press, float(speed[-1])
     doubt_speeds(press, fast)
-    # Bearings carry their own wrenches to a frame that bends.
+    # each bearing acts on an elastic frame at its own interface
     bearings = tuple(system.frame.bearings) if isinstance(system.frame, ElasticFrame) else ()
 
     def wrench(at_speed: float) -> Array:
@@ -296,7 +298,7 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
     constant, squared = (
         checked_harmonics(np.fft.rfft(part, axis=0), states, size) for part in (one - fast**2 * growing, fast**2 * growing)
     )
-    # Other harmonics are rounding of the largest force, and left out.
+    # other harmonics are rounding errors of the largest force
     significant = np.flatnonzero(np.maximum(np.abs(constant), np.abs(squared)).max(axis=1) > 1e-14 * states * size)
     orders = int(significant[-1]) + 1 if len(significant) else 1
     harmonics = constant[:orders] + (speed[:, None, None] / fast) ** 2 * squared[:orders]
@@ -304,7 +306,7 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
 
 
 def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
-    """Root mean square (s,) of the shaking force, all components together, zero where it is rounding [N]."""
+    """Root mean square (s,) of the shaking force, all components together; zero if it is a rounding error [N]."""
     size = np.linalg.norm(_rms((harmonics @ system.rigid)[..., :3], _states(system)), axis=1)
     return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
 
@@ -330,7 +332,7 @@ def _largest(harmonics: ComplexArray, states: int) -> Array:
 
 
 def _scale(mounts: Sequence[Mount], factor: float) -> tuple[Mount, ...]:
-    """Mounts of this many times the stiffness, with the damping ratios kept."""
+    """Mounts with their stiffness multiplied by a factor and their damping ratios unchanged."""
     return tuple(
         replace(
             mount,

@@ -1,12 +1,13 @@
 """Modes of a press whose flywheel and other rotors spin: forward and backward whirl over the speed, and critical speeds.
 
-Gyroscopic moments do no work, so that a system without dampers keeps its energy: M u'' + w G u' + K u = 0 has n real frequencies at every
-speed w of the crank. With Cholesky factors M = A A^T, K = B B^T and x = (B^T u, A^T u'), whose square is twice the energy,
+Gyroscopic moments do no work, so an undamped system keeps its energy: M u'' + w G u' + K u = 0 has n real frequencies at every crank speed
+w. With Cholesky factors M = A A^T, K = B B^T and x = (B^T u, A^T u'), whose square is twice the energy,
 
     x' = S x,  S = [[0, B^T A^-T], [-A^-1 B, -w A^-1 G A^-T]]
 
-where S is skew-symmetric: its eigenvalues are purely imaginary, its eigenvectors orthogonal. They are found as those of the Hermitian -i S.
-Where a harmonic of order k of the crank meets a frequency, (K - w^2 (k^2 M - i k G)) u = 0, which is a Hermitian problem in 1 / w^2.
+where S is skew-symmetric: its eigenvalues are purely imaginary and its eigenvectors orthogonal. They are computed from the Hermitian matrix
+-i S. At a critical speed, where the crank's harmonic of order k meets a natural frequency, (K - w^2 (k^2 M - i k G)) u = 0, a Hermitian
+eigenvalue problem in 1 / w^2.
 """
 
 from __future__ import annotations
@@ -25,19 +26,20 @@ from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from .mounted_press import MOST_ORDERS, MountedPress, motion_in_words
 
-SAME_MODE = 0.7  # least product of a mode at two speeds that follow each other
+SAME_MODE = 0.7  # least scalar product of the shapes of a mode at two consecutive speeds
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WhirlDiagram(Tabular):
-    """The n modes of a press on its mounts over the speed of its crank, each followed from the lowest speed. All arrays are read-only.
+    """The n modes of a press on its mounts over the speed of its crank, each mode tracked from the lowest speed. All arrays are read-only.
 
     Attributes:
         system: the press on its mounts.
         speed: (s,) speeds of the crank [rad/s].
         frequency: (s, n) natural frequencies without damping [rad/s].
-        damping_ratio: (s, n) what dampers and loss factors take from each mode; exact to first order in the damping [-].
-        whirl: (s, n) sense in which the rotors' axes circle: 1 on a circle, forward as the rotor spins, -1 on one backward, 0 on a line.
+        damping_ratio: (s, n) damping ratio of each mode by dampers and loss factors, to first order in the damping [-].
+        whirl: (s, n) sense of whirl of the rotors' axes: 1 on a circle forward (with the rotor's spin), -1 on a circle backward, 0 on a
+            line.
         shapes: (s, n, coordinates) complex shapes u, which move as the real part of u exp(i frequency time), of u* M u = 1 kg.
     """
 
@@ -54,27 +56,29 @@ class WhirlDiagram(Tabular):
         return f"WhirlDiagram of {self.system.press.name}: {self.frequency.shape[1]} modes from {low:.4g} to {high:.4g} rad/s"
 
     def words(self, mode: int) -> str:
-        """How a mode turns at the highest speed: "forward", "backward", or "" where it hardly does."""
+        """Sense of whirl of a mode at the highest speed: "forward", "backward", or "" if it hardly whirls."""
         turns = float(self.whirl[-1, mode])
-        # A mode that turns less than a tenth of its motion is neither.
+        # less than a tenth of the motion is whirl: neither forward nor backward
         return "" if abs(turns) < 0.1 else "forward" if turns > 0 else "backward"
 
     def motion(self, mode: int) -> str:
-        """The motion with most of a mode's kinetic energy at the highest speed when that is largest, as in `VibrationModes.motion`."""
+        """Name of the motion with most of a mode's kinetic energy at the highest speed, at the instant when this energy is largest, as in
+        `VibrationModes.motion`."""
         shape = self.shapes[-1, mode]
         phase = np.exp(-0.5j * np.angle(shape @ self.system.mass @ shape))
         return motion_in_words(self.system, (shape * phase).real)
 
     def critical_speeds(self, order: int = 1) -> Array:
-        """(c,) speeds of the crank at which a harmonic of it meets a natural frequency, rising [rad/s].
+        """(c,) critical speeds: crank speeds at which a harmonic of the crank meets a natural frequency, rising [rad/s].
 
-        They are exact, in the range of the speeds or not. There are n at most: a forward mode may run away from the harmonic.
+        They are exact, also outside the range of ``speed``. There are at most n: the frequency of a forward mode may rise faster than the
+        harmonic.
 
         Args:
             order: harmonic of the crank, 1 to 10 000.
 
         Raises:
-            PinpressError: ``order`` is no whole number in that range.
+            PinpressError: ``order`` is not a whole number in this range.
         """
         from scipy.linalg import eigh  # slow to import
 
@@ -113,15 +117,15 @@ def whirl(system: MountedPress, speeds: ArrayLike) -> WhirlDiagram:
         "speeds", speeds, wanted, (None,), lambda values: len(values) and values[0] >= 0 and values[-1] > 0 and np.all(np.diff(values) > 0)
     )
     equations = _Equations.of(system)
-    # At standstill modes may have equal frequencies; a millionth of the highest speed separates them.
+    # modes may have equal frequencies at standstill; a millionth of the highest speed separates them
     followed = [equations.modes(float(speed[0]) or 1e-6 * float(speed[-1]))]
     for low, high in pairwise(speed.tolist()):
-        followed.append(equations.follow(followed[-1], low, high, 8))  # most halvings of an interval of speeds
+        followed.append(equations.follow(followed[-1], low, high, 8))  # at most 8 halvings of an interval of speeds
     frequency, vectors = (np.array([each[k] for each in followed]) for k in (0, 1))
     if speed[0] == 0:
         frequency[0] = equations.modes(0.0)[0]
     n = len(system.mass)
-    moving = np.linalg.solve(equations.mass_factor.T, vectors[:, n:])  # velocities (s, n, modes), of energy 1 / 2 together
+    moving = np.linalg.solve(equations.mass_factor.T, vectors[:, n:])  # velocities (s, n, modes); the total energy of a mode is 1 / 2
     resisted = [np.einsum("sik,ij,sjk->sk", moving.conj(), matrix, moving).real for matrix in (system.damping, system.loss)]
     shapes = np.swapaxes(moving / (1j * frequency[:, None, :]), 1, 2)
     size = np.sqrt(np.einsum("ski,ij,skj->sk", shapes.conj(), system.mass, shapes).real)
@@ -138,7 +142,7 @@ def whirl(system: MountedPress, speeds: ArrayLike) -> WhirlDiagram:
 
 @dataclass(frozen=True, eq=False)
 class _Equations:
-    """The equations of the module's heading: factor A of the mass, and S at a speed as a constant part and one in proportion."""
+    """The equations of the module's docstring: factor A of the mass, and S as a constant part and a part proportional to the speed."""
 
     mass_factor: Array
     still: Array
@@ -162,11 +166,12 @@ class _Equations:
         return values[half:], vectors[:, half:]
 
     def follow(self, before: tuple[Array, ComplexArray], low: float, high: float, halvings: int) -> tuple[Array, ComplexArray]:
-        """The modes at a speed in the order of those at a lower one; halfway too where they change much in between."""
+        """The modes at a speed, in the order of the modes at a lower speed. If they change much in between, the interval is halved."""
         frequency, vectors = self.modes(high)
         products = np.abs(before[1].conj().T @ vectors)
         mine, theirs = np.arange(len(products)), products.argmax(axis=1)
-        if not np.all(products[mine, theirs] ** 2 > 0.5):  # squares of a row or column add up to 1 at most: else these are the partners
+        # the squares of a row or column sum to at most 1, so a square above 0.5 identifies the partner
+        if not np.all(products[mine, theirs] ** 2 > 0.5):
             mine, theirs = pair_modes(products**2)
         if halvings and products[mine, theirs].min() < SAME_MODE:
             middle = self.follow(before, low, 0.5 * (low + high), halvings - 1)
@@ -175,7 +180,7 @@ class _Equations:
 
 
 def _sense(system: MountedPress, shapes: ComplexArray) -> Array:
-    """Sense (s, n) in which the axes of the rotors circle, by their angular momentum, of shapes (s, n, coordinates)."""
+    """Sense of whirl (s, n) of the rotors' axes, weighted by angular momentum, for shapes (s, n, coordinates)."""
     swept, size = np.zeros(shapes.shape[:2]), np.zeros(shapes.shape[:2])
     for rotor in system.rotors:
         turn = shapes @ system.motion_of(rotor.on)[3:].T
@@ -186,5 +191,5 @@ def _sense(system: MountedPress, shapes: ComplexArray) -> Array:
         tilt = turn - (turn @ axis)[..., None] * axis
         swept += 2 * momentum * (np.cross(tilt.real, -tilt.imag) @ axis)  # a quarter of a period later the tilt is minus its imaginary part
         size += momentum * (np.abs(tilt) ** 2).sum(axis=-1)
-    tilts = size > 1e-9**2 * size.max(initial=0.0)  # a smaller tilt of the rotors is rounding
+    tilts = size > 1e-9**2 * size.max(initial=0.0)  # a smaller tilt of the rotors is a rounding error
     return np.asarray(np.divide(swept, size, out=np.zeros_like(swept), where=tilts))
