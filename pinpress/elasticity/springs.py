@@ -193,7 +193,7 @@ def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
     """The rotational spring of a guide, against rotation of the slide."""
     guide = bearing_number(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
-        raise PinpressError(f"moments names {shown(name)}, which is not a guide and carries no moment in the plane: leave it out")
+        raise PinpressError(f"moments names {shown(name)}, which is no guide and carries no moment in the plane: leave it out")
     compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad", STIFFEST)
     return Spring(f"{name} turning", compliance, "moment", ((guide, 1.0),))
 

@@ -19,10 +19,10 @@ from .vibration_spectra import OrderSpectra, Spectra
 from .what_is_known import IdentifiableParameters
 
 MOST_CHANNELS = 8  # strongest channels, which share one chart
-DECADES = 3.0  # of amplitude that colours show
+DECADES = 3.0  # decades of amplitude in the colour scale
 TURN = 2 * np.pi  # from Hz to rad/s
 ROOM = 1.06  # end of a chart of modes, divided by the highest frequency
-MOST_NAMES = 4  # parameters that a motion leaves unknown, by name
+MOST_NAMES = 4  # most names of parameters that a motion leaves unknown
 INTERVAL = "95 % interval"
 FREE, DAMPING = "natural frequency", "damping ratio"
 
@@ -121,7 +121,8 @@ def spectra(found: Spectra, page: Reactions | None = None) -> tuple[Section, ...
 
 
 def orders(found: OrderSpectra, page: Reactions | None = None) -> tuple[Section, ...]:
-    """Amplitudes over speed and frequency, one map for each channel: orders are rays, natural frequencies are level."""
+    """Amplitudes over speed and frequency, one map for each channel: orders are rays from the origin, natural frequencies are horizontal
+    lines."""
     speed, order = np.meshgrid(found.speed, found.order, indexing="ij")
     across, up = Along("crank speed", "rad/s", speed), Along("frequency", "frequency", order * speed)
     strongest = int(found.amplitude.max(axis=(0, 1)).argmax())
@@ -276,7 +277,7 @@ def fitted(found: FittedMounts, page: Reactions | None = None) -> tuple[Section,
 
 
 def identifiable(found: IdentifiableParameters, page: Reactions | None = None) -> tuple[Section, ...]:
-    """What torque determines, and the doubt about each parameter after these runs."""
+    """What the torque determines, and the uncertainty of each parameter after these runs."""
     sums = Table("sums", "Sums that torque determines, whatever is known before", [Column("", list(found.sums))], most=200)
     if not found.parameters:
         note = "Give runs, identifiability(press, runs), for the doubt that they leave of each parameter."

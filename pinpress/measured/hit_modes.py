@@ -5,10 +5,10 @@ After a hit the frame vibrates freely. What accelerometers measure then is a sum
     y(t) = sum over modes of 2 Re(shape x strength of the hit in the mode x exp(s t)),    s = -z w + i w sqrt(1 - z^2),
 
 with the same s and shape after all hits. The modes are found in two steps. The eigensystem realisation algorithm (Juang and Pappa 1985)
-puts the Hankel matrices of all hits side by side, reduces the rank to the part above the noise (Gavish and Donoho 2014), and reads s from
+concatenates the Hankel matrices of all hits, truncates the rank to the part above the noise (Gavish and Donoho 2014), and computes s from
 the shift of the rows. Starting from these s, the Gauss-Newton method fits s, shapes and strengths to all samples, and gives standard
-deviations. Modes that are closer than their damping is wide can be separated only by hits that excite them differently: a single hit mixes
-them.
+deviations. Modes whose frequencies differ by less than their bandwidth can be separated only by hits that excite them differently: a single
+hit mixes them.
 
 First the samples are filtered and thinned. The filter has a finite length; after this length a free vibration is again a free vibration.
 
@@ -36,12 +36,12 @@ from ..foundation.mounted_press import VibrationModes
 from .accelerometers import Accelerometer, VibrationRun
 
 Samples = NDArray[np.intp]
-FAINT = 1e-4  # energy of a hit / energy of the strongest hit, below which it is no hit
-MOST_DAMPED = 0.5  # damping ratio above which a root is no mode
-HUMMING = 5e-4  # damping ratio below which a vibration is a hum, or that of a machine nearby
+FAINT = 1e-4  # a jump of energy below this share of the strongest hit is not a hit
+MOST_DAMPED = 0.5  # a root with a higher damping ratio is not a mode
+HUMMING = 5e-4  # a vibration with a lower damping ratio is mains hum or a nearby machine
 MOST_MODES = 60
-OUT_OF_NOISE = 4.0  # strengths of a mode / their standard deviations, root mean square, below which the mode is noise
-SETTLED = 1e-9  # relative change of the roots at which the Gauss-Newton method ends
+OUT_OF_NOISE = 4.0  # a mode is noise if the rms of its strengths / their standard deviations is smaller
+SETTLED = 1e-9  # relative change of the roots below which the Gauss-Newton method ends
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,7 +56,7 @@ class MeasuredModes(Tabular):
         damping_ratio: (m,) damping divided by critical damping [-].
         damping_ratio_deviation: (m,) standard deviations of the damping ratios due to noise [-].
         shapes: (c, m) complex shapes at the channels; the largest element is 1.
-        energy_share: (m,) shares of the modes in the energy of the measured vibration [-].
+        energy_share: (m,) share of each mode in the energy of the measured vibration [-].
         noise: share of the energy that no mode explains [-].
         beside: calculated modes; None if none are given.
         partner: (m,) number of the calculated mode that belongs to the measured mode; -1 without a partner.
@@ -179,7 +179,7 @@ class _Model(NamedTuple):
     strengths: ComplexArray
 
     def of(self, modes: Samples) -> _Model:
-        """These modes alone, in this order."""
+        """The model of only these modes, in this order."""
         return _Model(self.roots[modes], self.shapes[:, modes], self.strengths[modes])
 
 
@@ -266,7 +266,7 @@ def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tup
         ends = np.array([0.5 * beside.natural_frequency[0], 1.3 * beside.natural_frequency[-1]]) / (2 * np.pi)
     else:
         ends = suitable_numbers("band", band, "lowest and highest frequency, both positive [Hz]", (2,), lambda f: 0 < f[0] < f[1])
-    needed = 2.56 * ends[1]  # as for recorders
+    needed = 2.56 * ends[1]  # the usual factor of recorders
     if rate < needed:
         raise PinpressError(
             f"{rate:.6g} samples a second are too few for {ends[1]:.4g} Hz: sample at {needed:.4g} Hz, or give a lower band"
@@ -286,9 +286,9 @@ def _free_vibrations(runs: Sequence[VibrationRun], low: float, high: float, hits
         raise PinpressError("the runs are sampled at different rates: call modes for each run separately")
     if hits is not None and len(runs) > 1:
         raise PinpressError(f"hits are given for {len(runs)} runs: give only one run, or leave hits out (then they are searched)")
-    thinning = max(1, int(rate / (5 * high)))  # five samples in a period of the highest frequency are left
+    thinning = max(1, int(rate / (5 * high)))  # five samples per period of the highest frequency remain
     weights = np.ones(1)
-    if thinning > 1:  # a filter of finite length stops what thinning would fold into the band
+    if thinning > 1:  # a filter of finite length prevents aliasing into the band
         stop = rate / thinning - high
         weights = firwin(int(np.ceil(3.3 * rate / (stop - high))) | 1, (high + stop) / rate, window="hamming")
     values, times = [], []
@@ -324,7 +324,7 @@ def _hits(run: VibrationRun, low: float) -> Samples:
     after = energy[np.minimum(place + half, count)] - energy[place]
     before = energy[place] - energy[np.maximum(place - half, 0)]
     jump = np.log((after + FAINT * after.max()) / (before + FAINT * after.max()))
-    jump[: min(half, count) // 8] = 0.0  # nothing is known of the time before
+    jump[: min(half, count) // 8] = 0.0  # the time before the record is unknown
     peaks, _ = find_peaks(jump, height=np.log(9.0), distance=half)  # the amplitude becomes three times as large
     peaks = peaks[after[peaks] > 10 * FAINT * after.max()]
     if not len(peaks):
@@ -342,7 +342,7 @@ def _realised(decays: _Decays, low: float, high: float, wanted: int | None) -> C
     channels = decays.values[0].shape[1]
     shortest = min(map(len, decays.values))
     reach = 0.5 / (low * decays.step)  # half a period of the lowest frequency
-    rows = int(np.clip(reach, 48 / channels, max(400 / channels, 2)))  # as many as a decomposition takes in a short time
+    rows = int(np.clip(reach, 48 / channels, max(400 / channels, 2)))  # the largest size that is still decomposed quickly
     apart = max(1, min(round(reach / rows), shortest // (2 * rows)))
     rows = max(2, min(rows, shortest // (2 * apart)))
     starts = apart * np.arange(rows)
@@ -354,7 +354,8 @@ def _realised(decays: _Decays, low: float, high: float, wanted: int | None) -> C
     matrix = hankel(0)
     left, sizes, right = np.linalg.svd(matrix, full_matrices=False)
     ratio = min(matrix.shape) / max(matrix.shape)
-    threshold = (0.56 * ratio**3 - 0.95 * ratio**2 + 1.82 * ratio + 1.43) * np.median(sizes)  # of noise (Gavish and Donoho 2014)
+    # singular values of noise are smaller (Gavish and Donoho 2014)
+    threshold = (0.56 * ratio**3 - 0.95 * ratio**2 + 1.82 * ratio + 1.43) * np.median(sizes)
     order = int((sizes > threshold).sum())
     if wanted is not None:
         order = max(order, 2 * wanted + 2)
@@ -365,7 +366,7 @@ def _realised(decays: _Decays, low: float, high: float, wanted: int | None) -> C
     roots = np.log(multipliers[np.abs(multipliers) > 0]) / decays.step
     size = np.abs(roots)
     within = (roots.imag > 0) & (size >= 2 * np.pi * low) & (size <= 2 * np.pi * high)
-    within &= (roots.real < 0.01 * size) & (-roots.real < MOST_DAMPED * size)  # noise may make a hum grow
+    within &= (roots.real < 0.01 * size) & (-roots.real < MOST_DAMPED * size)  # noise may give a hum a small negative damping
     if not within.any():
         raise PinpressError(f"no mode between {low:.4g} and {high:.4g} Hz stands out of the noise: hit harder, or give another band")
     return np.asarray(np.minimum(roots.real, 0.0)[within] + 1j * roots.imag[within])
@@ -393,7 +394,7 @@ def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> _Fit:
     model = _Model(model.roots, model.shapes / unit, model.strengths * unit[:, None])
     residual, size = _residual(decays, model), np.abs(model.roots)
     share = sum(float((part**2).sum()) for part in residual) / sum(float((part**2).sum()) for part in decays.values)
-    settled = (SETTLED * size.max() * decays.step * max(map(len, decays.values))) ** 2  # residual of roots at which the method ends
+    settled = (SETTLED * size.max() * decays.step * max(map(len, decays.values))) ** 2  # residual of the roots at which the method ends
     period = max(1, round(2 * np.pi / (size.min() * decays.step)))
     misfit = _misfit(decays, [part / scale for part in residual], period) if share > settled else 1.0
     return _Fit(model, misfit * _deviations(model.roots, covariance), share, misfit)
@@ -402,9 +403,9 @@ def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> _Fit:
 def _misfit(decays: _Decays, residual: Sequence[Array], period: int) -> float:
     """Factor on the deviations, more than 1 if the residuals (n, channels) after the hits are more than noise.
 
-    The residual of a wrong model swings as the modes do, in all channels together, and before a second blow more than after it. So the
-    strongest frequency counts as noise if noise alone is too unlikely: if a frequency has more energy than noise that is about as strong at
-    the frequencies around it (Fisher 1929), or if a time has more.
+    The residual of a wrong model oscillates like the modes, in all channels together, and more before a second blow than after it. So the
+    factor is raised if noise alone is too unlikely an explanation: if a frequency has too much energy compared with the frequencies around
+    it (Fisher 1929), or if an interval of time has too much.
 
     Args:
         decays: the free vibrations.
@@ -439,7 +440,8 @@ def _weighted(decays: _Decays, model: _Model, scale: Array, steps: int) -> tuple
 
 
 def _dropped(model: _Model, distinct: Array, wanted: int | None) -> list[int]:
-    """Modes that are noise and left out next. Of two close modes, which hide each other's strength, only the fainter one."""
+    """Modes that are noise and left out next. Of two close modes only the fainter one, because each makes the other's strength
+    uncertain."""
     least = OUT_OF_NOISE if wanted is None else np.inf
     most = len(distinct) - (1 if wanted is None else wanted)
     dropped: list[int] = np.flatnonzero(-model.roots.real > MOST_DAMPED * np.abs(model.roots)).tolist()[:most]
@@ -460,7 +462,7 @@ def _separate(decays: _Decays, roots: ComplexArray) -> _Model:
         waves = decays.waves(hit, roots)
         real, imaginary = np.split(np.linalg.lstsq(np.hstack([waves.real, -waves.imag]), part, rcond=None)[0], 2)
         amplitudes.append(real + 1j * imaginary)
-    left, sizes, right = np.linalg.svd(np.moveaxis(np.array(amplitudes), 0, 2), full_matrices=False)  # for each mode: channels x hits
+    left, sizes, right = np.linalg.svd(np.moveaxis(np.array(amplitudes), 0, 2), full_matrices=False)  # (modes, channels, hits)
     return _Model(roots, np.asarray(left[:, :, 0].T), np.asarray(sizes[:, :1] * right[:, 0, :]))
 
 
@@ -485,7 +487,7 @@ def _gauss_newton(decays: _Decays, model: _Model, steps: int) -> tuple[_Model, A
         settled = cost < np.inf and np.abs(trial.roots - model.roots).max() <= SETTLED * np.abs(trial.roots).max()
         model, cost, shortened = trial, min(cost, tried), 1.0
         sizes = np.linalg.norm(matrix, axis=0)
-        normal = (matrix / sizes).T @ (matrix / sizes) + 1e-13 * np.eye(len(sizes))  # against rounding errors
+        normal = (matrix / sizes).T @ (matrix / sizes) + 1e-13 * np.eye(len(sizes))  # regularised against rounding errors
         step = np.linalg.solve(normal, (matrix / sizes).T @ missed) / sizes
         if settled:
             break
@@ -498,8 +500,8 @@ def _gauss_newton(decays: _Decays, model: _Model, steps: int) -> tuple[_Model, A
 def _equations(decays: _Decays, model: _Model) -> tuple[Array, Array, float]:
     """Derivatives of the model by its unknowns, the residual, and the squares that no small change of the roots can reach.
 
-    The first two are in an orthonormal basis of the waves and of their derivatives by the roots, which makes them short. The unknowns are
-    roots, then shapes without their largest elements, then strengths; mode by mode, each as real and imaginary part.
+    The first two are coordinates in an orthonormal basis of the waves and of their derivatives by the roots, so they have few rows. The
+    unknowns are roots, then shapes without their largest elements, then strengths; mode by mode, each as real and imaginary part.
     """
     channels, modes = model.shapes.shape
     free = _free(model)
@@ -522,13 +524,14 @@ def _equations(decays: _Decays, model: _Model) -> tuple[Array, Array, float]:
 
 
 def _free(model: _Model) -> NDArray[np.bool_]:
-    """(m, channels) elements of shapes that are unknowns. The largest of each mode is fixed, because only products with strengths count."""
+    """(m, channels) elements of shapes that are unknowns. The largest element of each mode is fixed, because only the product of shape and
+    strength is determined."""
     largest = np.abs(model.shapes).argmax(axis=0)
     return np.asarray(np.arange(len(model.shapes)) != largest[:, None])
 
 
 def _moved(model: _Model, step: Array) -> _Model:
-    """The model after a step of its unknowns; its vibrations still swing and die away."""
+    """The model after a step of its unknowns; its roots are limited so that the vibrations still oscillate and decay."""
     change = step[0::2] + 1j * step[1::2]
     modes, free, shapes = len(model.roots), _free(model), model.shapes.T.copy()
     end = modes + np.count_nonzero(free)
@@ -560,7 +563,7 @@ def _deviations(roots: ComplexArray, covariance: Array) -> Array:
 
 
 def _energy_share(decays: _Decays, model: _Model) -> Array:
-    """(m,) shares of the modes in their energy."""
+    """(m,) share of each mode in the energy of all modes."""
     decay = np.array([(np.abs(decays.waves(hit, model.roots)) ** 2).sum(axis=0) for hit in range(len(decays.values))])
     energy = (decay.T * np.abs(model.strengths) ** 2).sum(axis=1) * (np.abs(model.shapes) ** 2).sum(axis=0)
     return np.asarray(energy / energy.sum())
@@ -575,6 +578,6 @@ def _beside(model: _Model, accelerometers: Mapping[str, Accelerometer], beside: 
     products = np.abs(model.shapes.conj().T @ seen)
     mac = np.divide(products, lengths, out=np.zeros_like(products), where=lengths > 0) ** 2
     apart = np.abs(np.log(np.abs(model.roots)[:, None] / beside.natural_frequency))
-    mine, theirs = pair_modes(mac - apart)  # few accelerometers do not distinguish shapes, but frequencies do
+    mine, theirs = pair_modes(mac - apart)  # few accelerometers may not distinguish shapes, so frequencies count too
     partner = dict(zip(mine.tolist(), theirs.tolist(), strict=True))
     return tuple(partner.get(k, -1) for k in range(len(model.roots))), mac

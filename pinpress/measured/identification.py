@@ -37,7 +37,7 @@ from .records import MeasuredRun, sample_noise
 from .regressor import PIN, Parameter, refuse_losses, slide_rates, turning_bearings
 
 WIDE = 1.96  # standard deviations of half a 95 % interval
-PASSES = 20  # with rows about the last estimates
+PASSES = 20  # most passes with rows linearised about the last estimates
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,7 +53,8 @@ class IdentifiedParameter(Record, units={}):
         high: upper end of the 95 % interval.
         posterior: standard deviation from the noise of the records and the prior.
         sandwich: standard deviation from the scatter of the residuals over time; the interval uses the larger of both.
-        doubt: standard deviation / standard deviation before; near 1 the records show nothing. None if nothing was known before.
+        doubt: standard deviation / standard deviation before; near 1 the records have no information about it. None if nothing was known
+            before.
     """
 
     name: str
@@ -174,8 +175,9 @@ def identify(
 
     Warns:
         PinpressWarning: all runs are at one speed; the records do not determine a loss or the encoder's zero; the zero is off by some
-            degrees; the encoder is too coarse; masses differ from the description by more than the prior allows; two standard deviations
-            of a parameter disagree; the torque differs in size from that of the press; residuals are above the noise of samples.
+            degrees; the encoder is too coarse; masses differ from the description by more than the prior allows; the two standard
+            deviations of a parameter disagree; the size of the torque differs from that of the described press; residuals are above the
+            noise of samples.
     """
     refuse_losses(press, friction, cylinder)
     wanted = Losses(tuple(friction), cylinder, checked_radii(press, radii))
@@ -214,7 +216,8 @@ def _best(unknowns: Unknowns, runs: Sequence[RunEquations], current: bool) -> tu
 def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, current: bool) -> Fit:
     """Estimates whose rows are linear about the estimates themselves; ``zero``: first estimate of the encoder's zero [rad].
 
-    A step from pass to pass is halved if the change does not fall, as far from the solution, or if cones turn steps to and fro.
+    A step from pass to pass is halved if the change does not fall, which happens far from the solution, or if the cones make steps
+    alternate.
     """
     start = np.array([each.value for each in unknowns.parameters])
     start[unknowns.zero] = zero
@@ -288,14 +291,14 @@ def checked_radii(press: Linkage, radii: Mapping[str, float] | None) -> Mapping[
 
 
 def _doubt_runs(runs: Sequence[MeasuredRun]) -> None:
-    """Warn of records that show little."""
+    """Warn of records with little information."""
     speeds = np.abs([run.speeds for run in runs])
     if np.ptp(speeds) < 0.05 * speeds.max():
         caution(
             f"all runs are at {30 / math.pi * speeds.mean():.4g} r/min: then friction and inertia of the crank follow only from"
             " the description. Measure at two more speeds, or with a speed that changes by a third in 2.6 strokes"
         )
-    coarse = 4000  # counts a turn, below which noise of the encoder is large
+    coarse = 4000  # with fewer counts per turn the noise of the encoder is large
     for run in runs:
         step = run.resolution
         if step is not None and 2 * math.pi / step < coarse:
@@ -386,7 +389,7 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
         parameter = Parameter(name, unit, float(row @ unknowns.equations.values), 0.0)
         sums.append(identified(parameter, np.append(row, np.zeros(len(before) - len(row))), True, float(np.linalg.norm(row @ inertial))))
     found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if unknowns.inertial <= k < unknowns.zero}
-    found |= {name: max(value, 0.0) for name, value in found.items() if "friction" in name}  # the fit keeps it there up to rounding errors
+    found |= {name: max(value, 0.0) for name, value in found.items() if "friction" in name}  # negative only by rounding errors
     friction: dict[str, Friction] = {}
     if "pins friction" in found:
         usual = PIN * press.size

@@ -11,8 +11,9 @@ The information matrix of a motion is the mean of Y'Y over its time, divided by 
 The shares that minimise the sum of squares of relative deviations are a convex problem (an A-optimal experiment). The multiplicative
 algorithm (Torsney 1983) solves it. The slope of the sum at the answer bounds the gain of any other shares.
 
-At one constant speed the inertia of the crank makes no torque, and constant friction cannot be separated from viscous friction. If the
-speed swings in step with the stroke, all terms are one function of the crank angle. A swing with a period of 2.6 strokes separates them.
+At one constant speed the inertia of the crank needs no torque, and constant friction cannot be separated from viscous friction. If the
+speed oscillates with the period of the stroke, all terms are functions of the crank angle only. An oscillation with a period of 2.6 strokes
+separates them.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from .estimates.run_rows import TURN
 from .identification import WIDE
 from .regressor import LOSSES, loss_columns, refuse_losses
 
-LEARNT = 0.9  # deviation after / before, above which a mass or inertia was not learnt
+LEARNT = 0.9  # a mass or inertia with a larger ratio of posterior to prior deviation was not learnt
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,7 +56,7 @@ class MeasuringPlan(Tabular):
             gyration for first moments, in the parameters' units.
         deviation: (p,) standard deviations after the plan, in the parameters' units.
         deviation_alone: (m, p) standard deviations if the whole time is spent on one motion.
-        unknown: for each motion, names of the parameters that it alone does not determine.
+        unknown: for each motion, names of the parameters that this motion alone does not determine.
         why: for each motion, the reason; empty if it determines nearly all parameters.
         gap: upper bound of the relative gain in the sum of squares of relative deviations by other shares [-].
     """
@@ -231,7 +232,7 @@ def plan(
 
 
 class _Task(NamedTuple):
-    """The p unknowns of a plan, without the encoder's zero, by q scaled numbers.
+    """The p unknowns of a plan, without the encoder's zero, as functions of q scaled numbers.
 
     Attributes:
         unknowns: the unknowns with their prior.
@@ -281,7 +282,8 @@ def _task(unknowns: Unknowns, motions: Mapping[str, Motion], losses: Losses, exp
                 for w, c in zip(weights, columns, strict=True)
             ]
             sizes[k] = max(0.05 * rms / own for rms, own in pairs if own > 0)
-    spread = unknowns.scaled(np.append(2.0 * sizes[inertial : unknowns.zero], ZERO_DEVIATION))  # losses may be three times as expected
+    # the prior deviation of a loss is twice its expected value
+    spread = unknowns.scaled(np.append(2.0 * sizes[inertial : unknowns.zero], ZERO_DEVIATION))
     spread = spread[:, np.abs(spread).max(axis=0) > 0]
     values = np.append(equations.values, sizes[inertial : unknowns.zero])
     information = []
@@ -317,7 +319,7 @@ def _shares(before: Array, information: Array, matter: Array) -> tuple[Array, fl
         inverse = np.linalg.inv(start + np.tensordot(share, parts, 1))
         value = float((aim * inverse).sum())
         slopes = np.tensordot(parts, inverse @ aim @ inverse, 2)  # how much the trace falls with each share
-        gap = float(slopes.max() - share @ slopes) / value if value > 0 else 0.0  # 0: all is known, and all shares are equally good
+        gap = float(slopes.max() - share @ slopes) / value if value > 0 else 0.0  # 0: everything is known, all shares are as good
         if gap < 1e-3:
             break
         share = share * np.sqrt(np.maximum(slopes, 0.0))
@@ -329,7 +331,7 @@ def _shares(before: Array, information: Array, matter: Array) -> tuple[Array, fl
 
 
 def _why(press: Linkage, motion: Motion) -> str:
-    """The reason why a motion leaves something unknown; empty if it is not one of these."""
+    """The reason why a motion leaves parameters unknown; empty if no known reason applies."""
     speed = motion.crank_speed
     change = float(np.ptp(speed))
     if change <= 1e-3 * np.abs(speed).max():

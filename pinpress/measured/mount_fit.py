@@ -24,7 +24,7 @@ from ..foundation.mounted_press import MountedPress, modes, with_mounts
 from ..foundation.mounts import Mount
 from .hit_modes import MeasuredModes
 
-UNSEEN = 3.0  # highest / lowest end of the interval of a stiffness, above which the modes do not show it
+UNSEEN = 3.0  # the modes do not determine a stiffness if highest / lowest end of its interval is larger
 DAMPING = ("loss_factor", "viscous")
 BY_MODE = ("natural_frequency", "natural_frequency_deviation", "damping_ratio", "damping_ratio_deviation", "energy_share", "mac")
 
@@ -37,7 +37,7 @@ class FittedMounts(Tabular):
         system: the press on these mounts.
         names: names of the k fitted values: "stiffness of mounts along x", ..., "loss factor of mounts".
         values: (k,) factors on the given stiffness or viscous dampers; a loss factor is the value itself [-].
-        intervals: (k, 2) lowest and highest value at 95 %, from noise or from the residual, the wider of the two [-].
+        intervals: (k, 2) lowest and highest value at 95 %, the wider of the intervals from noise and from the residual [-].
         measured: the measured modes.
         frequency: (m,) natural frequencies of the fitted system, in the order of the measured modes [rad/s].
         damping_ratio: (m,) damping ratios of the fitted system, in the order of the measured modes [-].
@@ -103,7 +103,7 @@ def fit_mounts(system: MountedPress, measured: MeasuredModes, *, damping: str = 
         **{name: getattr(measured, name)[seen] for name in BY_MODE},
     )
     frequency, ratio = seen_modes.natural_frequency, seen_modes.damping_ratio
-    # A rigid frame has errors too: 1e-3 of a frequency, and 1e-3 in a damping ratio.
+    # the model of a rigid frame has errors too, taken as 1e-3 of a frequency and 1e-3 in a damping ratio
     scatter = np.hypot(seen_modes.natural_frequency_deviation / frequency, 1e-3)
     scatter_of_ratio = np.hypot(seen_modes.damping_ratio_deviation, 1e-3)
     shapes = measured.beside.shapes[:, partner[seen]]

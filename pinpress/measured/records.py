@@ -24,7 +24,7 @@ from ..common.results import Tabular
 
 FEWEST = 32  # samples of a record
 FEWEST_A_TURN = 12  # samples
-UNEVEN = 0.02  # standard deviation / median of the steps of time: more is uneven sampling
+UNEVEN = 0.02  # standard deviation / median of the steps of time: above it, sampling is uneven
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 _UNITS = {"time": "s", "angle": "rad", "torque": "N m", "current": "A", "height": "m"}  # of the columns
 _SHAKING = {"shaking_force": "N", "shaking_moment": "N m"}  # of the columns by axis
@@ -167,13 +167,13 @@ def _check_times(run: MeasuredRun) -> None:
             f"{run.name}: the time does not rise after {run.time[k]:.6g} s (sample {k}): sort the samples and leave out duplicates"
         )
     common = float(np.median(steps))
-    if steps.max() > 4.5 * common:  # shorter steps are a few samples that a bus lost
+    if steps.max() > 4.5 * common:  # shorter gaps are a few samples that a bus lost
         k = int(np.argmax(steps > 4.5 * common))
         raise PinpressError(
             f"{run.name}: no samples for {steps[k]:.4g} s after {run.time[k]:.6g} s; elsewhere they are {common:.4g} s apart. Make a run of"
             " each part: record(..., between=(start, end))"
         )
-    if common > 0.5:  # [s], which does not show a stroke
+    if common > 0.5:  # [s]: too slow to resolve a stroke
         caution(f"{run.name}: samples are {common:.4g} s apart. If the time is in ms, give it in s, or name the file's column time [ms]")
     if np.std(steps) > UNEVEN * common:
         caution(
@@ -213,7 +213,7 @@ def _check_torque(run: MeasuredRun) -> None:
 
     starts, lengths = equal_samples(run.angle)
     k = int(lengths.argmax())
-    if lengths[k] > max(20 * np.median(lengths), FEWEST):  # a coarse encoder shows the same angle for less time
+    if lengths[k] > max(20 * np.median(lengths), FEWEST):  # a coarse encoder repeats an angle only for a shorter time
         rest, begin = lengths[k] * run.sampling, run.time[starts[k]]
         caution(
             f"{run.name}: the crank rests for {rest:.4g} s from {begin:.6g} s on. A brake may hold it, and friction has no direction:"
@@ -224,14 +224,14 @@ def _check_torque(run: MeasuredRun) -> None:
     for extreme in (effort.max(), effort.min()):
         there = effort[starts] == extreme
         longest = int(lengths[there].max())
-        if longest >= 12 and longest > 3 * lengths[~there].max(initial=0):  # other values do not stay for as long
+        if longest >= 12 and longest > 3 * lengths[~there].max(initial=0):  # other values are constant only for a shorter time
             caution(
                 f"{run.name}: the {word} stays at {extreme:.6g} for {longest} samples from {run.time[starts[there][0]]:.6g} s on, as if a"
                 " drive or an amplifier limits it: raise the limit or range, or leave these parts out"
             )
 
     power = effort * np.gradient(run.angle, run.time)
-    if power.mean() < -0.1 * np.abs(power).mean():  # noise of an idle press may be slightly negative
+    if power.mean() < -0.1 * np.abs(power).mean():  # the mean power of an idle press may be slightly negative because of noise
         caution(
             f"{run.name}: the mean power is {'' if run.torque is None else f'{power.mean():.4g} W, '}negative, as if the press drives its"
             " motor: change the sign of the ratio, record(..., ratio=-20.7), or of angle_ratio="
@@ -239,18 +239,19 @@ def _check_torque(run: MeasuredRun) -> None:
 
 
 def equal_samples(values: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Where runs of equal samples begin, and their lengths."""
+    """Starts and lengths of the runs of equal samples."""
     starts = np.append(0, np.flatnonzero(np.diff(values)) + 1)
     return starts, np.diff(starts, append=len(values))
 
 
 def white_noise(samples: Array) -> float:
-    """Standard deviation of white noise in samples of a slow signal: third differences are sqrt(20) times as large. Edges do not count."""
+    """Standard deviation of white noise in samples of a slow signal: third differences are sqrt(20) times as large. Edges of the signal are
+    ignored."""
     return float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / math.sqrt(20.0))
 
 
 def sample_noise(samples: Array) -> float:
-    """The same, never 0: it is at least as large as the error of sums over samples."""
+    """`white_noise`, but never 0: at least as large as the rounding error of sums over samples."""
     return max(white_noise(samples), 1e-5 * float(np.abs(samples).max()), np.finfo(float).tiny)
 
 

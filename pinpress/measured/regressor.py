@@ -6,9 +6,9 @@ So every measured quantity s is linear in them too. With the speed w of the cran
     s = sum over parameters p of  p (d/dt (A w) - share A' w^2 + C).
 
 A, A' = dA/d(angle) and C depend on the crank angle alone. The share is 1/2 for the torque, where A is the inertia at the crank, and 0 for
-forces and moments, where A is minus the momentum. Weighted over time, the equation needs no acceleration. Friction and the force of a
-balance cylinder are columns too. The parameters are those of Pinocchio, in its order: mass, first moments, inertia. The columns agree with
-those of its energy regressors (Gautier 1991).
+forces and moments, where A is minus the momentum. After weighting over time and integration by parts, the equation needs no acceleration.
+Friction and the force of a balance cylinder are columns too. The parameters are those of Pinocchio, in its order: mass, first moments,
+inertia. The columns agree with those of its energy regressors (Gautier 1991).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction, Load
 
-INERTIAL = ("mass", "moment x", "moment y", "moment z", "I xx", "I xy", "I yy", "I xz", "I yz", "I zz")  # as Pinocchio orders them
+INERTIAL = ("mass", "moment x", "moment y", "moment z", "I xx", "I xy", "I yy", "I xz", "I yz", "I zz")  # in Pinocchio's order
 UNITS = ("kg", "kg m", "kg m", "kg m", *("kg m2",) * 6)
 TENSOR = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))  # rows and columns of the inertias in this order
 SHAKING = ("force x", "force y", "force z", "moment x", "moment y", "moment z")
@@ -94,7 +94,7 @@ class InertialEquations(Frozen):
 
     @cached_property
     def places(self) -> tuple[slice, ...]:
-        """Where the parameters of each body are."""
+        """Slices of the parameters of each body."""
         ends = np.cumsum([basis.shape[1] for basis in self.bases]).tolist()
         return tuple(slice(end - basis.shape[1], end) for end, basis in zip(ends, self.bases, strict=True))
 
@@ -112,14 +112,14 @@ class InertialEquations(Frozen):
                         f"the moment about {axis} of {self.press.name} depends on inertias of its links out of their plane: leave it out,"
                         " and give forces and the moment about the plane's normal"
                     )
-        # 60,000 angles at once would take three times as long as in pieces, because their arrays do not fit into the cache.
+        # in pieces that fit into the cache: 60,000 angles at once take three times as long
         pieces = [self._coefficients(angle[k : k + 20_000], wanted) for k in range(0, max(len(angle), 1), 20_000)]
         shares = {name: 0.5 if name == "torque" else 0.0 for name in wanted}
         joined = {name: [np.concatenate(parts) for parts in zip(*(piece[name] for piece in pieces), strict=True)] for name in wanted}
         return {name: Coefficients(inertia, slope, weight, shares[name]) for name, (inertia, slope, weight) in joined.items()}
 
     def columns(self, motion: Motion, wanted: str = "torque") -> Array:
-        """(n, parameters) of a measured quantity over a motion; times ``values`` they are the result of inverse dynamics."""
+        """(n, parameters) of a measured quantity over a motion; their product with ``values`` is the result of inverse dynamics."""
         return self.coefficients(motion.crank_angle, (wanted,))[wanted].columns(motion.crank_speed, motion.crank_acceleration)
 
     def pressed(self, values: Array, name: str | None = None) -> Linkage:

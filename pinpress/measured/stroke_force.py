@@ -54,9 +54,9 @@ from .regressor import InertialEquations, inertial_equations, slide_rates
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-STATES = 1440  # of a turn, between which coefficients are splines
+STATES = 1440  # nodes per turn of the splines of the coefficients
 APART = 2  # samples between the middles of two B-splines
-FEWEST = 40  # samples of a stroke that is measured
+FEWEST = 40  # least number of samples of a measured stroke
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,7 +64,7 @@ class MeasuredForce(Tabular):
     """The process force of a stroke, or of several equal strokes. All arrays are read-only.
 
     Attributes:
-        name: of the run.
+        name: name of the run.
         heights: (k,) heights above bottom dead centre from the crank angle, rising [m].
         force: (k,) forces on the slide on its way down, positive upwards (against the stroke) [N].
         deviation: (k,) standard deviations of ``force`` from noise and from its curvature between heights [N].
@@ -341,7 +341,7 @@ class _Weights(NamedTuple):
         return np.asarray(windows @ weights)
 
     def independent(self, rows: Array) -> Array:
-        """Rows (rows, ...) whose noise is even and independent."""
+        """Rows (rows, ...) with white noise."""
         from scipy.linalg.lapack import dtbtrs  # slow to import
 
         return np.asarray(dtbtrs(self.factor, rows.reshape(len(rows), -1), uplo="L")[0].reshape(rows.shape))
@@ -367,7 +367,7 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
     independent = weights.independent(columns) / noise
     force, lost = np.zeros(basis.shape[1]), np.zeros(1)
     rubs = bool(sensor.friction) or sensor.identified is not None
-    for _ in range(3 if rubs else 1):  # passes of friction under the last force
+    for _ in range(3 if rubs else 1):  # friction is computed again under the last force
         if rubs:
             lost = weights.of(_losses(sensor, run, smooth, basis @ force))
         known = weights.independent(left - lost) / noise
@@ -375,7 +375,7 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
 
     residual, acting = known - independent @ force, (columns != 0).any(axis=1)
     curved = []
-    for way in range(2):  # with one more height between each two of a way
+    for way in range(2):  # with an additional height between every two heights of a way
         ways = [sensor.heights, sensor.heights_up]
         ways[way] = np.sort(np.append(ways[way], 0.5 * (ways[way][1:] + ways[way][:-1])))
         finer = weights.independent(weights.of(-_basis(ways, height, down) * rate[:, None])) / noise
@@ -384,7 +384,8 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
 
 
 def _basis(ways: Sequence[Array], height: Array, down: NDArray[np.bool_]) -> Array:
-    """(n, k + j) shares of the forces at heights on the way down and up in a force that is linear between heights and zero above them."""
+    """(n, k + j) hat functions: weights of the forces at the heights down and up, for a force that is linear between heights and zero above
+    them."""
     parts = []
     for heights, on in zip(ways, (down, ~down), strict=True):
         shares = [np.interp(height, heights, one, right=0.0) * on for one in np.eye(len(heights))]
@@ -393,7 +394,7 @@ def _basis(ways: Sequence[Array], height: Array, down: NDArray[np.bool_]) -> Arr
 
 
 def _contradicts_lines(columns: Array, known: Array, residual: Array, acting: NDArray[np.bool_]) -> bool:
-    """Whether forces at more heights, which have these columns, explain more than they would explain of noise in 99 % of runs (F-test)."""
+    """Whether forces at additional heights, with these columns, improve the fit significantly (F-test at 99 %)."""
     from scipy.stats import f  # slow to import
 
     force, _, rank, _ = np.linalg.lstsq(columns, known, rcond=1e-9)
@@ -410,12 +411,12 @@ def _smooth(run: MeasuredRun) -> _Smooth:
     pieces = int(np.clip(24 * run.strokes, 4, len(time) // 4))
     knots = np.concatenate([np.zeros(5), np.linspace(0.0, time[-1], pieces + 1), np.full(5, time[-1])])
     spline = make_lsq_spline(time, run.angle, knots, k=5)
-    noise = max(white_noise(run.angle), (run.resolution or 0.0) / np.sqrt(12.0), 1e-12)  # a count is even noise
+    noise = max(white_noise(run.angle), (run.resolution or 0.0) / np.sqrt(12.0), 1e-12)  # rounding to counts is uniform noise
     return _Smooth(spline(time, 1), spline(time, 2), noise)
 
 
 def _weights(run: MeasuredRun, arm: Array) -> _Weights:
-    """Cubic B-splines over the samples; ``arm``: (n,) noise of the angle / noise of the torque x inertia that turns."""
+    """Cubic B-splines over the samples; ``arm``: (n,) (noise of the angle / noise of the torque) x rotating inertia."""
     from scipy.linalg import cholesky_banded  # slow to import
 
     interval = (run.time[-1] - run.time[0]) / (len(run.time) - 1)
@@ -477,7 +478,7 @@ def _result(
     noise: float,
     curved: Sequence[bool],
 ) -> MeasuredForce:
-    """The force with its band, which is wider where residuals are larger than noise, and where the force of a way is ``curved``."""
+    """The force with its band, which is wider if residuals are larger than noise, or if the force of a way is ``curved``."""
     rest = residual[~acting]
     idle_misfit = float(np.sqrt((rest**2).mean())) if len(rest) > FEWEST // 2 else 1.0
     free = max(int(np.count_nonzero(acting)) - len(force), 1)
@@ -525,8 +526,8 @@ def _result(
 def _squared_errors_of_lines(heights: Array, force: Array, covariance: Array) -> Array:
     """(k,) squared errors of straight lines between heights for a curved force [N2].
 
-    At a height the lines of least squares differ from the force by h^2 F'' / 12. F'' is taken from the forces, less the part that their
-    noise explains; at the ends it is that of the next height.
+    At a height the lines of least squares differ from the force by h^2 F'' / 12. F'' is estimated from the forces, less the part that their
+    noise explains; the ends use F'' of the next height.
     """
     if len(heights) < 3:
         return np.zeros(len(heights))

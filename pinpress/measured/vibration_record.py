@@ -82,7 +82,7 @@ class VibrationRecord(Tabular):
     def order_spectra(self, orders: float = 12.0, *, turns: int = 8) -> OrderSpectra:
         """Compute amplitudes by order (multiples of the crank's speed) over the speed; an order grows near a natural frequency.
 
-        The accelerations are resampled in equal steps of the crank angle, so that lines stay sharp while the speed changes.
+        The accelerations are resampled in equal steps of the crank angle, so lines stay sharp while the speed changes.
 
         Args:
             orders: highest order.
@@ -114,7 +114,7 @@ class VibrationRecord(Tabular):
             PinpressError: no hit is found, the sampling is too slow for the band, or no mode is above the noise.
 
         Warns:
-            PinpressWarning: two modes are so close that fewer hits than modes mix their shapes.
+            PinpressWarning: two modes are too close to be separated with fewer hits than modes.
         """
         if beside is not None:
             expect("beside", beside, VibrationModes, "foundation.modes")

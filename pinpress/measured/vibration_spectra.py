@@ -59,8 +59,8 @@ class Spectra(Tabular):
         from scipy.signal import find_peaks  # slow to import
         from scipy.special import chdtri
 
-        whole, freedoms = self.density.sum(axis=1), 0.9 * 2 * self.windows  # of half-overlapping windows 90 % count as independent
-        rarely = 0.5 * 0.01 / len(whole)  # a peak is named in 1 % of spectra of noise
+        whole, freedoms = self.density.sum(axis=1), 0.9 * 2 * self.windows  # 90 % of half-overlapping windows count as independent
+        rarely = 0.5 * 0.01 / len(whole)  # significance level: a peak is named in 1 % of spectra of pure noise
         scatter = float(chdtri(freedoms, rarely) / chdtri(freedoms, 1.0 - rarely))
         peaks, _ = find_peaks(np.log(np.maximum(whole, np.finfo(float).tiny)), prominence=np.log(max(4.0, scatter)))
         return np.asarray(self.frequency[peaks[np.argsort(-whole[peaks])][:NAMED]])
@@ -116,7 +116,8 @@ class OrderSpectra(Tabular):
         return np.asarray(self.amplitude[:, place, self.channels.index(channel)])
 
     def peaks(self, channel: int) -> list[int]:
-        """Places of the strongest orders of a channel, by rising order. A window spreads a line over its neighbours, which are no peaks."""
+        """Places of the strongest orders of a channel, by rising order. The neighbours of a peak are not peaks, because the window spreads
+        each line over them."""
         largest = self.amplitude[:, :, channel].max(axis=0)
         beside = np.pad(largest, 1)
         peaks = np.flatnonzero((largest > beside[:-2]) & (largest >= beside[2:]) & (largest > 0.02 * largest.max()))
@@ -126,7 +127,7 @@ class OrderSpectra(Tabular):
         """The same spectra next to calculated modes, whose natural frequencies are lines in pictures.
 
         Raises:
-            PinpressError: ``modes`` are no modes.
+            PinpressError: ``modes`` is not a `VibrationModes`.
         """
         expect("modes", modes, VibrationModes, "foundation.modes")
         return replace(self, beside=modes)
@@ -189,7 +190,7 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
             f"{run.name}: {turned:.4g} turns of the crank are less than a window of {turns}: give fewer turns=, or a longer run"
         )
     fastest = float((np.diff(angle) / np.diff(run.time)).max())
-    needed = 2 / 0.8 * highest * fastest / (2 * np.pi)  # recorders keep amplitudes up to 0.8 of half their rate
+    needed = 2 / 0.8 * highest * fastest / (2 * np.pi)  # recorders have flat amplitudes up to 0.8 of the Nyquist frequency
     if run.rate < needed:
         raise PinpressError(
             f"{run.name}: order {highest:g} at {fastest / RPM:.4g} r/min is {highest * fastest / (2 * np.pi):.4g} Hz;"
@@ -197,8 +198,8 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
         )
     slowest = (angle[-1] - angle[0]) / (run.time[-1] - run.time[0])
     points = 1 << int(np.ceil(np.log2(max(run.rate * 2 * np.pi / min(slowest, fastest) * 2, 8 * highest))))
-    # A spline through 2.5 samples a period flattens a sine by 16 %, through ten samples by 0.1 %. So there are four samples for one first,
-    # by a filter over 20 samples to both sides that keeps amplitudes within 1e-4.
+    # A spline through 2.5 samples a period flattens a sine by 16 %, through ten samples by 0.1 %. So the signal is first upsampled
+    # fourfold, by a filter over 20 samples to both sides that keeps amplitudes within 1e-4.
     between = firwin(2 * 20 * 4 + 1, 1 / 4, window=("kaiser", 8.0))
     fine = resample_poly(run.acceleration, 4, 1, axis=0, window=between, padtype="line")
     resampled = make_interp_spline(np.arange(len(fine)) / 4, fine, k=3)

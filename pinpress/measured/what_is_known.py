@@ -1,4 +1,4 @@
-"""What records can show of a press: which sums torque and shaking force determine, and how exact each parameter becomes.
+"""What records can determine of a press: the sums that torque and shaking force determine, and the accuracy of each parameter.
 
 print(pp.measured.identifiability(press, runs, friction=("crank", "gibs"), cylinder=True))
 """
@@ -33,8 +33,8 @@ class LearntParameter(Record):
 
     Attributes:
         name: name of the parameter.
-        torque: standard deviation after / before the measurement of torques: 0 fully known, 1 nothing learnt. For a loss, which has no
-            deviation before, the deviation in rms torques of the press.
+        torque: standard deviation after / before the measurement of torques: 0 fully known, 1 nothing learnt. A loss has no deviation
+            before; its value here is its deviation / loss that alone gives the press's rms torque.
         shaking: the same ratio if shaking force and moment are measured too.
     """
 
@@ -114,7 +114,7 @@ def identifiability(
     losses = Losses(tuple(friction), cylinder, checked_radii(press, radii))
     unknowns = unknowns_of(press, prior, losses, known)
     share = number("noise", noise, positive=True)
-    if share < 1e-9:  # rounding errors would count
+    if share < 1e-9:  # rounding errors would dominate
         raise PinpressError(f"noise is {share:g}: give it as a share of the largest measured torque, such as 0.01")
     records = checked_runs(press, runs, for_torque=False) if len(runs) else []
     shaking = shaking_quantities(press)
@@ -131,7 +131,7 @@ def identifiability(
 
 
 def shaking_quantities(press: Linkage) -> tuple[str, ...]:
-    """Forces and moments on the foundation that show something of a press; those in its plane if it is planar."""
+    """Forces and moments on the foundation that contain information about a press; for a planar press, those in its plane."""
     engine = press.engine()
     if not isinstance(engine, PlanarEngine):
         return SHAKING
@@ -143,7 +143,8 @@ def shaking_quantities(press: Linkage) -> tuple[str, ...]:
 def _learnt(
     unknowns: Unknowns, runs: Sequence[MeasuredRun], losses: Losses, share: float, shaking: Sequence[str]
 ) -> tuple[list[tuple[float, float] | None], tuple[float, float]]:
-    """Doubts of all unknowns by torque alone and with shaking force, None for fixed unknowns; and how many parameters both determine."""
+    """Uncertainties of all unknowns by torque alone and with shaking force, None for fixed unknowns; and the numbers of parameters
+    determined in both cases."""
     equations, inertial, count = unknowns.equations, unknowns.inertial, len(unknowns.parameters)
     parts: dict[str, list[Array]] = {name: [] for name in ("torque", *shaking)}
     largest = dict.fromkeys(parts, 0.0)

@@ -1,1 +1,1 @@
-"""From records to estimates: weak equations, what is known before, least squares with their deviations, cones, base parameters."""
+"""From records to estimates: weak equations, the prior, least squares with standard deviations, cones, base parameters."""

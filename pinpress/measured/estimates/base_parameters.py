@@ -1,4 +1,4 @@
-"""Base parameters: the sums of masses and inertias that torque, or shaking force, determines if nothing is known before.
+"""Base parameters: the sums of masses and inertias that torque, or shaking force, determines without a prior.
 
 Parameters whose columns in the equations depend on each other are known only together (Gautier 1991). The sums are found from states over a
 period whose speeds and accelerations are independent of each other.
@@ -32,7 +32,7 @@ class BaseParameters(NamedTuple):
 
 
 def base_parameters(equations: InertialEquations, wanted: Sequence[str] = ("torque",)) -> BaseParameters:
-    """The sums that these quantities determine at free speed and acceleration.
+    """The sums that these quantities determine if speed and acceleration can be chosen freely.
 
     A sum is named by its first parameter: one of the crank if possible, otherwise the heaviest.
     """

@@ -14,7 +14,7 @@ from ...common.errors import PinpressError
 from ...common.quantities import Array
 from .prior import Unknowns
 
-TINY = 1e-9  # scaled unknowns that are no further outside the cones are outside by rounding errors
+TINY = 1e-9  # a smaller distance of scaled unknowns from the cones is a rounding error
 
 
 def within_cones(unknowns: Unknowns, values: Array, spread: Array, covariance: Array) -> Array:
@@ -40,11 +40,11 @@ def within_cones(unknowns: Unknowns, values: Array, spread: Array, covariance: A
         return values
 
     variances, directions = np.linalg.eigh(covariance)  # rounding may leave a variance a little below zero
-    # by numbers that are independent in the posterior, each with a deviation of 1
+    # the unknowns of the program are independent in the posterior, each with a standard deviation of 1
     step = spread @ (directions * np.sqrt(np.maximum(variances, 0.0)))
     rows = [Rows(part.kind, part.matrix @ step, part.slack(values)) for part in cones]
     remedy = "check units and signs of torque and angle, and whether another force drives the press"
-    try:  # within a millionth of the deviations, in which the changes of the estimates are judged
+    try:  # to a millionth of the deviations, the unit in which changes of the estimates are judged
         nearest = minimise(np.zeros(step.shape[1]), rows, squares=1.0, equilibrate=True, within=1e-6, remedy=remedy)
     except InfeasibleError:
         raise PinpressError(f"no real bodies explain these records: {remedy}") from None

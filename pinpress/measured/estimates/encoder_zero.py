@@ -1,8 +1,8 @@
-"""Where the encoder's zero is approximately: the start of the Gauss-Newton method.
+"""Approximate zero of the encoder: the start of the Gauss-Newton method.
 
 An encoder is zeroed at top dead centre, or wherever it was fastened, while a press may be described in any pose. The description of the
-press shows which zero fits the records. Zeros 10 degrees apart are tried, and the best of them is improved. Losses and the size of the
-torque are free.
+press shows which zero fits the records. Zeros 10 degrees apart are tried, and the best of them is improved. Losses and a factor on the
+torque are fitted too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .prior import Losses, Unknowns
 from .run_rows import RunEquations, added_masses, load_torque
 from .weak_form import quantities
 
-NEAR = 0.4  # a zero that is some degrees off [rad]
+NEAR = 0.4  # distance from 0 up to which a zero counts as near 0 [rad]
 
 
 class Start(NamedTuple):
@@ -106,7 +106,7 @@ def _misfit(tables: Sequence[_Table], runs: Sequence[RunEquations], zero: float)
     size = np.linalg.norm(whole, axis=0)
     scaled = whole / np.where(size > 0, size, 1.0)
     solution = np.linalg.lstsq(scaled.T @ scaled, scaled.T @ target, rcond=1e-10)[0]
-    if solution[0] < 0:  # no masses are negative
+    if solution[0] < 0:  # a negative factor would mean negative masses
         return 1.0, 0.0
     return float(((target - scaled @ solution) ** 2).sum() / (target @ target)), float(solution[0] / size[0]) if size[0] > 0 else 1.0
 

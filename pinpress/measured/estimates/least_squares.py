@@ -1,7 +1,7 @@
 """Estimates with their deviations from independent rows: Gauss-Newton method for the prior, cones of real bodies, and two covariances.
 
-The equations are linear in masses, first moments and inertias about the joints, so many rows become one triangle at once. What is known
-before concerns mass, centre of mass and inertia about it (`prior`). In these the equations are not linear.
+The equations are linear in masses, first moments and inertias about the joints, so many rows become one triangle at once. The prior
+concerns mass, centre of mass and inertia about the centre of mass (`prior`). The equations are not linear in these numbers.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .cones import within_cones
 from .prior import Unknowns
 from .weak_form import Rows
 
-VAGUE = 30.0  # prior standard deviation of a loss, in rms torques that it makes alone
+VAGUE = 30.0  # prior standard deviation of a loss, as a multiple of the loss that alone gives the rms torque
 
 
 class Fit(NamedTuple):
@@ -29,10 +29,10 @@ class Fit(NamedTuple):
         posterior: (unknowns, unknowns) covariance of the Gaussian posterior.
         sandwich: (unknowns, unknowns) covariance by the residuals of blocks of time.
         learnt: trace of information / (information + prior).
-        misfit: sum of the squares of the changes of masses and inertias in prior deviations, and the number of these changes that records
-            and weighed values determine.
+        misfit: sum of squares of (change / prior deviation) of masses and inertias, and the number of these changes that records and
+            weighed values determine.
         noise: quantity -> standard deviation of one sample.
-        weight: (unknowns,) rms torque that one unit of each unknown makes / measured rms torque.
+        weight: (unknowns,) rms torque for one unit of each unknown / measured rms torque.
         constant: motor constant and its deviation; None if torques were measured.
     """
 
@@ -52,7 +52,7 @@ class Fit(NamedTuple):
 
 
 def deviations(covariance: Array) -> Array:
-    """(unknowns,) standard deviations: zero for a variance that rounding made negative, as for exactly known values."""
+    """(unknowns,) standard deviations: zero for a variance that rounding made negative, as happens for exactly known values."""
     return np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
 
@@ -71,7 +71,7 @@ def _fitted(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
     rms = 1.0 if torque is None else float(np.sqrt((torque.values**2).mean()))
     weight = np.zeros(count) if torque is None else np.sqrt((torque.columns**2).mean(axis=0)) / rms
 
-    # The unknowns are scaled: by their deviations before, or by the size with which a loss alone makes the rms torque.
+    # The unknowns are scaled by their prior deviations; a loss, by the value with which it alone gives the rms torque.
     priors = unknowns.deviation
     vague = ~np.isfinite(priors)
     sizes = np.where(vague, np.divide(1.0, weight, out=np.zeros(count), where=weight > 0), priors)
@@ -86,7 +86,7 @@ def _fitted(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
         slopes[:inertial, :inertial] = spread
         return np.concatenate([values, (start + sizes * change)[inertial:]]), slopes[:, moving]
 
-    # A triangle has few rows, and its least squares are those of all rows.
+    # the triangle has few rows and the same least-squares solution as all rows
     short = {name: np.asarray(np.linalg.qr(np.column_stack([row.columns, targets[name]]), mode="r")) for name, row in rows.items()}
     noise = {name: _noise(each[:, :-1] @ scaled(change)[1], each[:, -1], len(targets[name])) for name, each in short.items()}
     joined = np.concatenate([short[name] / noise[name] for name in rows])
@@ -112,7 +112,7 @@ def _fitted(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
 
 
 def _noise(matrix: Array, target: Array, count: int) -> float:
-    """Standard deviation of one of ``count`` samples, from the part of them that no values of the unknowns explain."""
+    """Standard deviation of one of ``count`` samples, from the part of the samples that no values of the unknowns explain."""
     sizes = np.linalg.norm(matrix, axis=0)
     directions, values, _ = np.linalg.svd(matrix[:, sizes > 0] / sizes[sizes > 0], full_matrices=False)
     directions = directions[:, values > 1e-9 * values[0]]
@@ -122,7 +122,8 @@ def _noise(matrix: Array, target: Array, count: int) -> float:
 
 
 def _step(system: Array, target: Array, information: Array, change: Array) -> tuple[Array, Array]:
-    """One step of least squares of independent rows, and its covariance; the prior (k, k), diagonal, is about zero change."""
+    """One step of least squares with independent rows, and its covariance. The prior, with diagonal information (k, k), is centred at zero
+    change."""
     root = np.sqrt(information)
     orthogonal, triangle = np.linalg.qr(np.concatenate([system, root]))
     inverse = np.linalg.solve(triangle, np.eye(len(triangle)))
@@ -130,7 +131,7 @@ def _step(system: Array, target: Array, information: Array, change: Array) -> tu
 
 
 def _sandwich(system: Array, left: Array, information: Array, covariance: Array) -> Array:
-    """Covariance by the sums of residuals x columns over 60 blocks of time, which show how far rows depend on each other."""
+    """Sandwich covariance from the sums of residuals x columns over 60 blocks of time, which include the correlation of rows."""
     blocks = min(60, len(left))
     starts = -(-np.arange(blocks) * len(left) // blocks)
     sums = np.add.reduceat(system * left[:, None], starts, axis=0)
@@ -140,8 +141,8 @@ def _sandwich(system: Array, left: Array, information: Array, covariance: Array)
 def _fitted_to_currents(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
     """`_fitted` for currents i = (columns @ x + known) / k.
 
-    The relative error of 1/k is one more unknown. Its column is the torque that the last estimate expects: the measured torque would bring
-    in its noise and make k too small.
+    The relative error of 1/k is one more unknown. Its column is the torque of the last estimate. The measured torque would add its noise to
+    the column and bias k to small values.
     """
     torque = rows["torque"]
     estimate = np.array([each.value for each in unknowns.parameters])

@@ -1,11 +1,11 @@
-"""The unknowns of a press and what is known of them before the records: masses, centres of mass, inertias, losses, the encoder's zero.
+"""The unknowns of a press and their prior: masses, centres of mass, inertias, losses, the encoder's zero.
 
 The uncertain numbers of a link are its mass, its centre of mass (within a share of the radius of gyration) and its tensor about the centre
-of mass. The equations are linear in mass, first moments and inertias about the joint, which are products of these numbers. So the changes
-of the parameters by one deviation of each number are taken at the present estimate. Then a prior of a fifth never means a body that cannot
-exist.
+of mass. The equations are linear in mass, first moments and inertias about the joint, which are products of these numbers. So the equations
+use the changes of the parameters by one deviation of each number, at the present estimate. Then a prior of a fifth never describes an
+impossible body.
 
-Nothing is known of the losses. The encoder's zero, which is its reading in the drawn pose, is known within some degrees. A weighed or
+Losses have no prior. The encoder's zero, which is its reading in the drawn pose, is known within some degrees. A weighed or
 gauged value, such as the mass of the slide or of all links together, is one more equation.
 """
 
@@ -47,7 +47,7 @@ class Unknowns(NamedTuple):
         parameters: the unknowns.
         inertial: number of masses and inertias.
         described: (inertial,) mass, centre of mass and inertia about it of each body, as described.
-        scatter: (k,) standard deviations before the records: first of these numbers, then of the other unknowns. It is 0 for fixed numbers
+        scatter: (k,) prior standard deviations: first of the described numbers, then of the other unknowns. It is 0 for fixed numbers
             and infinite if nothing is known.
         weighed: (rows, k) equations of weighed and gauged values, each divided by its standard deviation.
         weights: (rows,) these values, each divided by its standard deviation.
@@ -76,7 +76,7 @@ class Unknowns(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """(k,) standard deviations of the unknowns before the records; 0 for fixed ones, infinite if nothing is known."""
+        """(k,) prior standard deviations of the unknowns; 0 for fixed unknowns, infinite without a prior."""
         masses = self.at(np.zeros(self.inertial))[1]
         return np.append(np.sqrt((masses**2).sum(axis=1)), self.scatter[self.inertial :])
 
@@ -96,7 +96,7 @@ class Unknowns(NamedTuple):
         return (self.place("cylinder force"), self.place("cylinder stiffness")) if "cylinder force" in names else None
 
     def about_zero(self, angle: float) -> Unknowns:
-        """The same unknowns with the encoder's zero about another angle [rad]."""
+        """The same unknowns, with another prior mean of the encoder's zero [rad]."""
         return self._replace(parameters=tuple(each._replace(value=angle) if each.name == ZERO else each for each in self.parameters))
 
     def scaled(self, sizes: Array) -> Array:
@@ -189,7 +189,7 @@ def about_joint(own: Array) -> tuple[Array, Array]:
 
 
 def _of_points(a: Array, b: Array) -> Array:
-    """Inertia of a unit mass at a if a = b, and the bilinear form that belongs to it: one number in the plane, six in space."""
+    """Inertia of a unit mass at a for a = b; otherwise the corresponding bilinear form: one number in the plane, six in space."""
     return np.array([a @ b]) if len(a) == 2 else _six(a @ b * np.eye(3) - 0.5 * (np.outer(a, b) + np.outer(b, a)))
 
 

@@ -1,11 +1,11 @@
-"""The rows of a run by all unknowns, linear about present estimates: masses, losses, forces in bearings, encoder zero.
+"""The rows of a run for all unknowns, linearised about present estimates: masses, losses, forces in bearings, encoder zero.
 
 The equations (`weak_form`) hold at the crank's angle, which is the encoder's reading minus its zero z. With all other unknowns at their
 last estimates, the rows change with z as
 
     d rows / dz = (rows at zero z + h  -  rows at zero z - h) / (2 h).
 
-From pass to pass this is the Gauss-Newton method.
+Repeated passes are the Gauss-Newton method.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..regressor import Coefficients, InertialEquations, loss_columns, loss_para
 from .prior import Losses, Unknowns, about_joint
 from .weak_form import Rows, SmoothAngle, quantities
 
-TURN = 1e-5  # change of the zero for slopes [rad]
+TURN = 1e-5  # step h of the zero for the slopes [rad]
 BY_FORCE = ("pins", "slide_guide")  # friction that grows with the forces in bearings
 
 
@@ -38,7 +38,7 @@ class RunEquations(NamedTuple):
         drive_inertia: inertia at the crank that is not part of the press [kg m2].
         loads: known loads.
         run: the record.
-        smooth: its angle as the encoder shows it.
+        smooth: the smoothed reading of the encoder.
     """
 
     unknowns: Unknowns
@@ -49,7 +49,7 @@ class RunEquations(NamedTuple):
     smooth: SmoothAngle
 
     def rows(self, estimate: Array, slopes: Mapping[str, Array]) -> list[Rows]:
-        """Rows by all unknowns, linear about an estimate (unknowns,).
+        """Rows for all unknowns, linearised about an estimate (unknowns,).
 
         Args:
             estimate: the estimate.
@@ -68,9 +68,9 @@ class RunEquations(NamedTuple):
         return rows
 
     def friction_slopes(self, estimate: Array) -> dict[str, Array]:
-        """Name of a loss -> (rows, unknowns) change of its torque by a unit of each mass, inertia and number of the cylinder.
+        """Name of a loss -> (rows, unknowns) derivative of its torque by each mass, inertia and parameter of the cylinder.
 
-        Only friction in pins and guide depends on these, by the forces in the bearings.
+        Only friction in pins and guide depends on them, because it depends on the forces in the bearings.
         """
         unknowns, losses = self.unknowns, self.losses
         smooth = self.smooth._replace(angle=self.smooth.angle - estimate[unknowns.zero])
@@ -104,7 +104,7 @@ class RunEquations(NamedTuple):
         }
 
     def _rows_at(self, estimate: Array, zero: float) -> list[Rows]:
-        """Rows if the encoder has this zero, with the forces in bearings that press and cylinder of the estimate have."""
+        """Rows for this zero of the encoder, with the bearing forces of the estimated press and cylinder."""
         unknowns, smooth = self.unknowns, self.smooth._replace(angle=self.smooth.angle - zero)
         equations, inertial, measured = unknowns.equations, unknowns.inertial, quantities(self.run)
         coefficients, added, rows = equations.coefficients(smooth.angle, tuple(measured)), added_masses(equations, self.run), []
@@ -127,7 +127,7 @@ class RunEquations(NamedTuple):
 
 
 def loss_rows(press: Linkage, smooth: SmoothAngle, losses: Losses, cylinder_load: tuple[float, float] = (0.0, 0.0)) -> Array:
-    """(rows, losses) of a run by its losses, with the forces in bearings of this press under this force of its cylinder."""
+    """(rows, losses) of a run for its losses, with the bearing forces of this press under this force of its cylinder."""
     state = smooth.angle, smooth.speed, smooth.acceleration
     return smooth.integrals(loss_columns(press, *state, losses.friction, losses.cylinder, radii=losses.radii, cylinder_load=cylinder_load))
 
@@ -151,7 +151,7 @@ def added_masses(equations: InertialEquations, run: MeasuredRun) -> Array:
     for link, mass in run.added_mass.items():
         frame = model.frames[model.getFrameId(link)]
         if frame.parentJoint == 0:
-            continue  # a mass on the frame of the press makes no torque
+            continue  # a mass on the frame of the press needs no torque
         basis, place = equations.bases[frame.parentJoint - 1], equations.places[frame.parentJoint - 1]
         axes = basis[1:4, 1:3] if basis.shape[1] == 4 else np.eye(3)
         point = np.zeros(basis.shape[1])

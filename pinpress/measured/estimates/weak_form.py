@@ -20,7 +20,7 @@ from ...common.quantities import Array
 from ..records import MeasuredRun
 from ..regressor import Coefficients
 
-DEGREE = 5  # of the weights: sums over samples are then as good as integrals
+DEGREE = 5  # degree of the weights; high enough that sums over samples are as accurate as integrals
 
 
 class SmoothAngle(NamedTuple):
@@ -63,7 +63,7 @@ class SmoothAngle(NamedTuple):
     def without_offset(self, rows: Array) -> Array:
         """Independent rows, (rows,) or (rows, k), without the part that a constant offset of the samples can explain.
 
-        Load cells are set to zero anyhow, and the weight of the frame is not known.
+        Load cells are usually set to zero before a record, and the weight of the frame is not known.
         """
         constant = self.integrals(np.ones((len(self.angle), 1)))[:, 0]
         share = constant @ rows / (constant @ constant)
@@ -72,7 +72,8 @@ class SmoothAngle(NamedTuple):
     def _independent(self, rows: Array) -> Array:
         from scipy.linalg.lapack import dtbtrs  # to save start-up time
 
-        return np.asarray(dtbtrs(self.factor, rows, uplo="L")[0]) if rows.size else np.zeros((self.factor.shape[1], 0))  # LAPACK needs some
+        # LAPACK refuses an empty matrix
+        return np.asarray(dtbtrs(self.factor, rows, uplo="L")[0]) if rows.size else np.zeros((self.factor.shape[1], 0))
 
 
 def smoothed(run: MeasuredRun) -> SmoothAngle:
@@ -93,7 +94,7 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
     stroke = 2 * np.pi / max(map(abs, run.speeds))
     spline, noise, step = _fitted(run, time, stroke)
 
-    # The weights: B-splines with at least 24 knots a stroke; those that are zero with their slopes at both ends.
+    # The weights are B-splines with at least 24 knots per stroke; only those that are zero with zero slope at both ends are used.
     count = max(int(np.ceil(time[-1] / min(step, stroke / 24))), 4 * DEGREE)
     breaks = np.linspace(0.0, time[-1], count + 1)
     spacing = breaks[1] - breaks[0]
@@ -105,7 +106,7 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
     nodes, weights = np.polynomial.legendre.leggauss(5)
     points = (breaks[:-1, None] + 0.5 * spacing * (1 + nodes)).ravel()
     share = diags_array(np.tile(0.5 * spacing * weights, count))
-    # The slope is the difference of two splines of one degree less, divided by the distance of knots, which is constant inside the record.
+    # The slope is the difference of two splines of the next lower degree / knot distance, which is constant inside the record.
     lower = BSpline.design_matrix(points, knots[1:-1], DEGREE - 1).T.tocsr()
     slopes = (lower[DEGREE - 1 : count - 1] - lower[DEGREE:count]) / spacing
     sampled = basis(time) @ diags_array(np.gradient(time))  # by the trapezoidal rule; at both ends the splines are zero
@@ -116,10 +117,11 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
 def _fitted(run: MeasuredRun, time: Array, stroke: float) -> tuple[Any, float, float]:
     """Quintic spline of the angle, its noise, and the distance of its knots.
 
-    More knots are taken if generalised cross-validation expects a clearly smaller error; ``stroke``: time of a turn at the highest speed.
+    The number of knots is raised if generalised cross-validation predicts a clearly smaller error; ``stroke``: time of a turn at the
+    highest speed.
     """
     best, tried = None, 0
-    for knots in (6, 8, 12, 16, 24, 32, 48):  # a stroke
+    for knots in (6, 8, 12, 16, 24, 32, 48):  # knots per stroke
         step = max(stroke / knots, 4 * run.sampling)
         pieces = max(int(np.ceil(time[-1] / step)), 2)
         if pieces == tried or pieces + 5 >= len(time):
@@ -135,7 +137,7 @@ def _fitted(run: MeasuredRun, time: Array, stroke: float) -> tuple[Any, float, f
 
 
 def _least_squares(time: Array, angle: Array, pieces: int) -> Any:
-    """The quintic spline of equal pieces that is nearest to the samples; refined once against rounding errors of the normal equations."""
+    """The least-squares quintic spline with equal pieces; refined once to remove rounding errors of the normal equations."""
     from scipy.interpolate import BSpline  # to save start-up time
     from scipy.linalg import solveh_banded
 
@@ -154,7 +156,7 @@ def _bands(matrix: Any) -> Array:
 
 
 class Rows(NamedTuple):
-    """Equations of one quantity of one run, in the order of the time. The noise of ``values`` is even and independent.
+    """Equations of one quantity of one run, in the order of the time. The noise of ``values`` is white.
 
     Attributes:
         quantity: "torque", "force x" and so on; a current counts as a torque.
@@ -170,7 +172,7 @@ class Rows(NamedTuple):
 
 
 def quantities(run: MeasuredRun) -> dict[str, Array]:
-    """The measured quantities besides the angle, by the names of `InertialEquations.coefficients`; a current counts as a torque."""
+    """The measured quantities except the angle, by the names of `InertialEquations.coefficients`; a current counts as a torque."""
     effort = run.current if run.torque is None else run.torque
     forces = {f"force {axis}": values for axis, values in run.shaking_force.items()}
     moments = {f"moment {axis}": values for axis, values in run.shaking_moment.items()}
