@@ -1,1 +1,1 @@
-"""Everything one looks at in a browser: charts, recordings, reports, films."""
+"""Everything that a browser shows: charts, recordings, reports, films."""

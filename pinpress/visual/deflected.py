@@ -1,4 +1,4 @@
-"""Links drawn where they are on their springs, with displacements magnified so that they can be seen."""
+"""Links drawn in their elastic positions, with magnified displacements."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ..kinematics.poses import Poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.press.plane import DrawnBodies
 
-SEEN = 0.05  # share of the linkage's size that the largest displacement is drawn as, at most
-IN_SPACE = 6  # numbers of a link's displacement in space: three of its centre of mass, and the vector of its turn
-FACTORS = (1.0, 2.0, 5.0)  # times powers of ten: magnifications
+SEEN = 0.05  # the largest displacement is drawn as at most this share of the linkage's size
+IN_SPACE = 6  # components of a link's displacement in space: three of its centre of mass, and its rotation vector
+FACTORS = (1.0, 2.0, 5.0)  # magnifications are these numbers times powers of ten
 
 
 def magnification(press: Linkage, displacement: Array) -> float:
-    """A round factor by which the largest of displacements (k, links, 3 or 6) is drawn; see `ElasticRun.displacement`. It is 1 at least."""
+    """A round magnification, at least 1, for displacements (k, links, 3 or 6); see `ElasticRun.displacement`."""
     straight = 3 if displacement.shape[-1] == IN_SPACE else 2
     largest = float(np.abs(displacement[..., :straight]).max(initial=0.0))
     wanted = SEEN * press.size / largest if largest > 0 else 1.0
@@ -25,7 +25,7 @@ def magnification(press: Linkage, displacement: Array) -> float:
 
 
 def displaced(press: Linkage, at: Poses, displacement: Array) -> Poses:
-    """Poses of the bodies of all joints with displacements (k, links, 3 or 6) of their centres of mass and their turns added."""
+    """Poses of the bodies of all joints, with displacements (k, links, 3 or 6) of their centres of mass and their rotations added."""
     rotation, position = at.rotation.copy(), at.position.copy()
     shift, turn = displacement[..., :3], displacement[..., 3:]
     if displacement.shape[-1] != IN_SPACE:
@@ -42,7 +42,7 @@ def displaced(press: Linkage, at: Poses, displacement: Array) -> Poses:
 
 
 def rotation_matrices(turn: Array) -> Array:
-    """Rotations (k, 3, 3) about the axes of vectors (k, 3) by their lengths (Rodrigues)."""
+    """Rotation matrices (k, 3, 3) of rotation vectors (k, 3) (Rodrigues' formula)."""
     angle = np.linalg.norm(turn, axis=1)
     axis = turn / np.where(angle > 0, angle, 1.0)[:, None]
     across = np.zeros((len(turn), 3, 3))

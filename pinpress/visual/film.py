@@ -1,7 +1,7 @@
 """Pictures, films and paper of a page, made in headless Chromium without a network.
 
-A page is laid out in a window whose longer side is always 960 CSS pixels, however many pixels a picture of it has: a larger
-picture is a sharper one, not one with smaller writing.
+A page is laid out in a window whose longer side is always 960 CSS pixels, for pictures of any size. So a larger picture is sharper, and its
+text does not become smaller.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, CDPSession, Page
 
 MOST_FRAMES = 36_000
-# The colours that players expect of a film. The file names them too, as some players go by that.
+# the colour space that players expect; it is also written into the file, because some players read it there
 BT709 = "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709"
 ENCODING = {  # options of ffmpeg by the file's suffix
     ".mp4": ("-vf", BT709, "-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"),
     ".gif": ("-vf", "split[frames][same];[same]palettegen[palette];[frames][palette]paletteuse=dither=none:diff_mode=rectangle"),
 }
 
-# Chromium's processor draws, the same everywhere; tiles that are drawn again in part would differ a little from run to run.
+# software rendering gives the same picture on every machine; partly redrawn tiles would differ slightly from run to run
 DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")
 FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"
@@ -50,7 +50,7 @@ STILL = """() => {
     dispatchEvent(new Event("resize"));
     return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
 }"""
-# Nobody sees the page after it is printed, so that it is not drawn for the screen again.
+# the page is not used after printing, so it need not be drawn for the screen again
 PAPER = "time => { setPlaying(false); document.body.classList.remove('still'); removeEventListener('afterprint', toScreen); seek(time); }"
 LOST = "Boolean(viewer.renderer) && viewer.renderer.getContext().isContextLost()"
 
@@ -71,7 +71,7 @@ def image(
         size: width and height in pixels. A larger picture is sharper; it does not show more.
 
     Raises:
-        PinpressError: the page is no recording or fails in Chromium, the time or size is out of range, the file cannot be written, or
+        PinpressError: the page is not a recording or fails in Chromium, the time or size is out of range, the file cannot be written, or
             Playwright or Chromium is missing.
     """
     size, time = _size(size), number("time", time, "s")
@@ -85,8 +85,8 @@ def image(
 def pdf(page: str | os.PathLike[str], path: str | os.PathLike[str], *, time: float = 0.0) -> Path:
     """Print a recording or report to a PDF file on A4, and return its path.
 
-    An image of the press stands first; no chart is split over pages; the charts of all bearings are printed. Printing the page in a
-    browser gives the same. The same page gives the same bytes.
+    An image of the press comes first. No chart is split over pages, and the charts of all bearings are printed. Printing the page in a
+    browser gives the same result. The same page gives the same bytes.
 
     Args:
         page: HTML file written by `record` or `report`.
@@ -94,7 +94,7 @@ def pdf(page: str | os.PathLike[str], path: str | os.PathLike[str], *, time: flo
         time: time of the recording at which the press is shown, from 0 to its duration [s].
 
     Raises:
-        PinpressError: the page is no recording or fails in Chromium, the time is out of range, the file cannot be written, or Playwright
+        PinpressError: the page is not a recording or fails in Chromium, the time is out of range, the file cannot be written, or Playwright
             or Chromium is missing.
     """
     time = number("time", time, "s")
@@ -125,13 +125,13 @@ def film(
         path: path of the film, ending in `.mp4` (H.264) or `.gif` (whose times are rounded to 0.01 s).
         size: width and height in pixels, even numbers. A larger picture is sharper; it does not show more.
         frames_per_second: whole number from 1 to 120.
-        slowdown: factor by which the film is slower than the press; 1 is real time. By default the least of 1, 2, 5, 10, 20, 50, ... with
+        slowdown: factor by which the film is slower than the press; 1 is real time. By default the smallest of 1, 2, 5, 10, 20, 50, ... for
             which the recording takes at least 4 s.
         repeats: number of times that the recording is played.
-        progress: function called after every frame with the share of frames done, up to 1.
+        progress: function that is called after every frame with the share of finished frames, up to 1.
 
     Raises:
-        PinpressError: the page is no recording or fails in Chromium, a number is out of range, the file cannot be written, or
+        PinpressError: the page is not a recording or fails in Chromium, a number is out of range, the file cannot be written, or
             imageio-ffmpeg, Playwright or Chromium is missing.
     """
     size, rate = _size(size, step=2), whole_number("frames_per_second", frames_per_second, 1, 120)
@@ -143,7 +143,7 @@ def film(
         if not screen.duration > 0:
             raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
         slower = slow_enough(screen.duration) if slowdown is None else float(slowdown)
-        frames = screen.duration * times * slower * rate  # the frame after the last would show the end of the recording, to half a frame
+        frames = screen.duration * times * slower * rate  # rounded: the end of the recording may be off by half a frame
         if not 0.5 < frames <= MOST_FRAMES:
             raise PinpressError(
                 f"the film would have {frames:.3g} frames; choose slowdown, repeats and frames_per_second for 1 to {MOST_FRAMES}"
@@ -199,7 +199,7 @@ def _encoder(program: str, target: Path, rate: int) -> Iterator[Callable[[bytes]
                 raise refusal()
         finally:
             process.kill()
-            with suppress(OSError):  # frames that ffmpeg did not read
+            with suppress(OSError):  # ffmpeg may stop before it has read all frames
                 pipe.close()
             process.wait()
 
@@ -235,7 +235,7 @@ class Screen:
     Attributes:
         duration: duration of the recording [s].
         picture: function that makes a PNG of the recording at a time [s], without its controls.
-        printed: function that makes a PDF of the page at a time [s]; nothing else is done with the page after it.
+        printed: function that makes a PDF of the page at a time [s]; the page cannot be used afterwards.
     """
 
     duration: float
@@ -252,7 +252,7 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
         size: width and height of the pictures, in pixels.
 
     Raises:
-        PinpressError: there is no such file or it is no recording, Playwright or Chromium is missing, or the page fails, now or when a
+        PinpressError: the file does not exist or is not a recording, Playwright or Chromium is missing, or the page fails, now or when a
             picture is taken.
     """
     try:
@@ -263,7 +263,7 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
     program = _program()
     if importlib.util.find_spec("playwright") is None:
         raise PinpressError("pictures, films and PDF files need Playwright, which is not installed; pip install 'pinpress[video]'")
-    # In a separate thread: Playwright's event loop cannot run inside that of a notebook, and Ctrl-C must not interrupt it.
+    # In a separate thread: Playwright's event loop cannot run inside a notebook's event loop, and Ctrl-C must not interrupt it.
     with ThreadPoolExecutor(1) as thread:
         opening = ExitStack()
         try:
@@ -283,14 +283,14 @@ class _Tab:
     def __init__(self, name: str, page: Page, devtools: CDPSession, clip: dict[str, float]) -> None:
         self._name, self._page, self._devtools, self._clip = name, page, devtools, clip
         self._problems: list[str] = []
-        self._still = False  # shown without its controls
-        page.set_default_timeout(120_000)  # of each action [ms]
+        self._still = False  # whether the page is shown without its controls
+        page.set_default_timeout(120_000)  # timeout of each action [ms]
         page.on("console", lambda message: self._problems.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self._problems.append(str(error)))
         page.on("crash", lambda _: self._problems.append("it crashed"))
 
     def load(self, content: str) -> None:
-        self._do(self._page.set_content, content)  # not by its address: Chromium as a snap sees no temporary files
+        self._do(self._page.set_content, content)  # not by its address, because Chromium as a snap cannot read temporary files
         self._do(self._page.evaluate, "typeof unpacked === 'object' ? unpacked : null")
         if not self._do(self._page.evaluate, PLAYER):
             raise PinpressError(f"{self._name} is no recording; give a page that pinpress.record or report wrote")
@@ -301,9 +301,9 @@ class _Tab:
             self._do(self._page.evaluate, STILL)
             self._still = True
         self._do(self._page.evaluate, "time => { seek(time); viewer.render(); }", time)
-        # Drawing takes nearly all of the time: JPEG is not faster, and reading the canvas alone, without its labels, is slower.
+        # drawing takes nearly all of the time: JPEG is not faster, and reading the canvas without its labels is slower
         shot = self._do(self._devtools.send, "Page.captureScreenshot", {"format": "png", "optimizeForSpeed": True, "clip": self._clip})
-        if self._do(self._page.evaluate, LOST):  # the page itself does not report it
+        if self._do(self._page.evaluate, LOST):  # the page itself does not report a lost context
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again, or a smaller size")
         return base64.b64decode(shot["data"])
 
@@ -312,7 +312,7 @@ class _Tab:
         content = self._do(partial(self._page.pdf, format="A4", print_background=True, tagged=True, outline=True))
         if self._do(self._page.evaluate, LOST):
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again")
-        # Chromium's dates give way to blanks: a PDF counts its bytes.
+        # Chromium's dates are replaced by blanks, because a PDF contains byte offsets
         return re.sub(rb"/(?:Creation|Mod)Date \(D:[^)]*\)", lambda date: b" " * len(date[0]), content)
 
     def _do(self, action: Callable[..., Any], *arguments: Any) -> Any:
@@ -352,7 +352,7 @@ def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, progra
 def _close(browser: Browser) -> None:
     from playwright.sync_api import Error  # optional, and slow to import
 
-    with suppress(Error):  # it may be gone already
+    with suppress(Error):  # it may already be closed
         browser.close()
 
 

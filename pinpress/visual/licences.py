@@ -37,7 +37,7 @@ class Part:
 
 @functools.cache
 def of_meshcat(script: Path) -> tuple[Part, ...]:
-    """The packages in Meshcat's viewer, ``script``: those of the list next to it, and those that are missing there or have no text."""
+    """The packages in Meshcat's viewer, ``script``: those of the list next to it, and those that are missing in it or have no text."""
     listed = json.loads(script.with_name(f"{script.name}.THIRD_PARTY_LICENSES.json").read_text("utf-8"))
     parts = {part.name: part for part in map(_part, _known()["meshcat"])}
     for each in listed:
@@ -48,7 +48,7 @@ def of_meshcat(script: Path) -> tuple[Part, ...]:
 
 @functools.cache
 def of_plotly(version: str) -> tuple[Part, ...]:
-    """The packages in a version of plotly.js; of an unknown version, the packages in all known versions."""
+    """The packages in a version of plotly.js; for an unknown version, the packages in all known versions."""
     return tuple(_part(entry) for entry in _known()["plotly"] if version in entry["in"] or version not in examined())
 
 
@@ -64,7 +64,7 @@ def examined() -> tuple[str, ...]:
 
 
 def together(title: str, parts: Iterable[Part]) -> str:
-    """Notices and licences of the parts of a script, each text once."""
+    """Notices and licences of the parts of a script. Each text appears once."""
     passages = [title]
     by_text = sorted(parts, key=lambda part: (part.licence, part.text, part.name))
     for text, same in itertools.groupby(by_text, key=lambda part: part.text):

@@ -28,7 +28,7 @@ from . import languages, licences
 
 FIELD = re.compile(r"\{\{(\w+)\}\}")
 FILE = re.compile(r"\{\{(\w+\.\w+)\}\}")
-PAGES = (".html", ".htm")  # a browser opens no others by a double click
+PAGES = (".html", ".htm")  # other names do not open in a browser by double click
 DIGITS = np.frombuffer(b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;<=>?@^_`{|}~", np.uint8)  # of base 85
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
 NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"
@@ -36,11 +36,11 @@ NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[
 
 @dataclass(frozen=True)
 class Library:
-    """A script of another package, as pages hold it.
+    """A script of another package, as pages contain it.
 
     Attributes:
         packed: the script, see `pack`.
-        digest: its name in a page's security policy.
+        digest: digest of the script, its name in a page's security policy.
         licence: texts of its licence and of the licences of all packages in it.
     """
 
@@ -53,7 +53,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
     """Make a page from the files of `templates/`; every ``{{name}}`` is replaced once.
 
     Libraries, data and the template's own scripts of the class ``packed`` are compressed; ``unpack.js`` opens them in the browser. The
-    page's security policy names the scripts by their digests, so that no other can run.
+    page's security policy names the scripts by their digests, so no other script can run.
 
     Args:
         template: name of an HTML file; ``{{file.css}}``, ``{{file.js}}`` and ``{{file.html}}`` in it are files next to it.
@@ -86,7 +86,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
         "licences": html.escape("\n\n".join(library.licence for library in libraries.values()), quote=False),
         **{name: library.packed for name, library in libraries.items()},
     }
-    return FIELD.sub(lambda match: fields[match[1]], whole).encode()  # in one pass, as the filled-in text must not be searched
+    return FIELD.sub(lambda match: fields[match[1]], whole).encode()  # in one pass, because filled-in text must not be searched for fields
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> Path:
@@ -95,7 +95,7 @@ def write(path: str | os.PathLike[str], content: bytes) -> Path:
     Raises:
         PinpressError: the name does not end in .html, or the file cannot be written.
     """
-    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ".html"  # anything else is refused below
+    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ".html"  # other objects are refused below
     if suffix not in PAGES:
         then = {".pdf": ", and print that page", ".png": ", and take a picture of that page"}.get(suffix, "")
         raise PinpressError(f"{path} would be a web page: end its name in .html{then}")
@@ -109,7 +109,7 @@ def _with_files(name: str) -> str:
 
 
 def _as_json(data: Mapping[str, Any]) -> str:
-    """Data as JSON. Raises PinpressError where a number is not finite."""
+    """Data as JSON. Raises PinpressError if a number is not finite."""
     parts = []
     for name, value in data.items():
         try:
@@ -132,7 +132,7 @@ def meshcat() -> Library:
 
 
 def meshcat_script() -> Path:
-    """The file of Meshcat's viewer; raises PinpressError where it is not installed."""
+    """The file of Meshcat's viewer; raises PinpressError if Meshcat is not installed."""
     return _package("meshcat", NO_MESHCAT) / "viewer/dist/main.min.js"
 
 
@@ -148,18 +148,18 @@ def plotly() -> Library:
 
 
 def plotly_script() -> Path:
-    """The file of Plotly's charts; raises PinpressError where it is not installed."""
+    """The file of Plotly's charts; raises PinpressError if Plotly is not installed."""
     return _package("plotly", NO_PLOTLY) / "package_data/plotly.min.js"
 
 
 def plotly_head() -> str:
-    """The comment in front of Plotly's charts, with version and licence; raises PinpressError where they are not installed."""
+    """The comment in front of Plotly's charts, with version and licence; raises PinpressError if Plotly is not installed."""
     with plotly_script().open(encoding="utf-8") as lines:
         return "".join(itertools.takewhile(lambda line: "*/" not in line, lines))
 
 
 def _package(name: str, missing: str) -> Path:
-    """The folder of a package, which is not imported: Meshcat would start a web server, Plotly import much else."""
+    """The folder of a package. The package is not imported: Meshcat would start a web server, and Plotly would import many modules."""
     spec = importlib.util.find_spec(name)
     if spec is None or not spec.submodule_search_locations:
         raise PinpressError(missing)

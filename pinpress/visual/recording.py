@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from ..simulation.elastic.run import ElasticRun
 
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; between keys 10 degrees apart a crank pin leaves its circle by 0.4 %
-FARTHEST = np.pi / 2  # largest angle between states, which are joined by straight lines [rad]
+FARTHEST = np.pi / 2  # largest crank angle between two states; straight lines connect them [rad]
 MOST = 20_000  # key frames; they keep the page of a long run below 20 MB
 
 
@@ -57,27 +57,28 @@ def record(
 ) -> Path:
     """Write a self-contained page that shows the press moving, and return its path.
 
-    The page plays in real time, or slowed down where a period takes less than half a second. A motion over one period is closed to a loop.
+    The page plays in real time, or slowed down if a period takes less than half a second. A motion over one period becomes a loop.
     Long motions are thinned to 360 key frames per turn of the crank. Equal input gives equal bytes. ``#t=0.25`` at the end of the page's
-    address stops it at 0.25 s. Links of an `ElasticRun` are drawn where they are on their springs, magnified by a factor that the page
-    states.
+    address stops it at 0.25 s. Links of an `ElasticRun` are drawn in their elastic positions, with displacements magnified by a factor that
+    the page states.
 
     Args:
-        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes
-            from their bearings and masses, and the counterweights of `balance` are drawn on all links.
+        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without visuals get shapes
+            from their bearings and masses. The counterweights of `balance` are drawn on all links.
         motion: motion of the linkage, with times.
         path: path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
         reactions: reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
-            (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; so is the force of
-            their process loads, with its tip at `Linkage.tool`.
+            (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; the force of their
+            process loads is drawn in the same way, with its tip at `Linkage.tool`.
         traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
-        flywheel: drawn on the driver's shaft, of several drivers by their names; by default those of a run.
+        flywheel: flywheel to draw on the driver's shaft; for several drivers a mapping from driver name to flywheel. By default the
+            flywheels of a run.
 
     Raises:
         PinpressError: the motion has no times, states more than 90 deg of the crank apart or more than 555 turns, a value is not finite,
             the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be
             written or has the name of a picture or press.
-        UnknownNameError: a trace is on a link that the linkage does not have, or a flywheel on such a driver.
+        UnknownNameError: a trace is on a link that the linkage does not have, or a flywheel is on a driver that it does not have.
     """
     content = scene(press, motion, key_frames(press, motion), reactions, traces, shaft_flywheels(press, flywheel, [motion]))
     return write(path, page("recording.html", press.name, content, {"viewer": meshcat()}))
@@ -108,8 +109,8 @@ def scene(
         _refuse_other_reactions(press, motion, reactions)
     at = poses(press, motion.joint_position[frames.states])
     magnified = {}
-    if isinstance(motion, Run) and motion.stats.method == "elastic":  # its class would be imported with its solvers
-        from .deflected import displaced, magnification  # with the equations of springs, which other pages do without
+    if isinstance(motion, Run) and motion.stats.method == "elastic":  # its class would import its solvers
+        from .deflected import displaced, magnification  # imports the equations of springs, which other pages do not need
 
         moved = cast("ElasticRun", motion).displacement[frames.states]
         magnified = {"magnified": magnification(press, moved)}
@@ -123,11 +124,11 @@ def shaft_flywheels(press: Linkage, given: Flywheel | Mapping[str, Flywheel] | N
 
     Args:
         press: the linkage.
-        given: on the shaft of the driver, or by the names of drivers; None: those of the first run that has any.
-        results: the motion, and what else a page shows.
+        given: flywheel on the driver's shaft, or driver name -> flywheel; None: those of the first run that has flywheels.
+        results: the motion, and the other results of the page.
 
     Raises:
-        PinpressError: a flywheel of one of several drivers without the name of the driver, or of a driver that slides.
+        PinpressError: there are several drivers and the flywheel does not name one, or its driver slides.
         UnknownNameError: there is no such driver.
     """
     coupled = True
@@ -195,7 +196,7 @@ def moving(
             for name, place in zip(press.bearings, where, strict=True)
         ],
         **forces,
-        "peak": peak,  # of all forces shown [N]
+        "peak": peak,  # largest of all shown forces [N]
         "traces": [
             {"name": name, "link": link, "path": packed(at.points(joint, point), f"the path of {name}"), "keys": frames.turn}
             for name, link, joint, point in traced(press, traces)
@@ -223,7 +224,7 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[tupl
         chosen: points, each the name of a link and x, y, z in its frame [m].
 
     Returns:
-        The name of each path, its link, the joint in whose frame the point is fixed, and the point (3,) there [m].
+        For each path its name, its link, the joint in whose frame the point is fixed, and the point (3,) in this frame [m].
 
     Raises:
         PinpressError: a link is unknown, or a point is not three finite numbers.
@@ -243,16 +244,16 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[tupl
 
 @dataclass(frozen=True, eq=False)
 class KeyFrames:
-    """Key frames, the k states of a motion that a recording shows.
+    """Key frames: the k states of a motion that a recording shows.
 
     Attributes:
         states: (k,) indices of states of the motion.
         time: (k,) times, 0 at the first [s].
         crank: (k,) angles of the (first) driver [rad], or its positions if it slides [m].
-        shown: (k,) the same as they are shown [deg or mm].
+        shown: (k,) the values of ``crank`` as the page shows them [deg or mm].
         height: (k,) heights of the slide above bottom dead centre, or above the lowest state if there is none [m]; None without a slide.
         above_bottom: whether heights are above bottom dead centre.
-        turn: number of keys of one period, after which the linkage repeats its path; all of them where it does not.
+        turn: number of key frames of one period, after which the linkage repeats its path; all key frames if it does not repeat.
     """
 
     states: NDArray[np.intp]
@@ -265,11 +266,11 @@ class KeyFrames:
 
 
 def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
-    """Choose key frames. A motion of one period is closed to a loop; a long one is thinned to 360 frames a turn of the crank.
+    """Choose key frames. A motion of one period becomes a loop; a long motion is thinned to 360 frames per turn of the crank.
 
     Raises:
-        PinpressError: the motion is of a linkage with other joints or lengths, has no times, states too far apart or more turns than a page
-            holds, or a value is not finite.
+        PinpressError: the motion is of a linkage with other joints or lengths, has no times, states too far apart or too many turns for a
+            page, or a value is not finite.
     """
     expect("press", press, Linkage, "load")
     expect("motion", motion, Motion, "cycle or simulate")
@@ -277,7 +278,7 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     _refuse_broken(motion, press.slide is not None)
     refuse_motion_of_another(press, motion)
     time = motion.time - motion.time[0]
-    crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
+    crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # the first of several drivers
     period, first = _period(press, motion), motion.driver_coordinates[0]
     steps, turned = np.abs(np.diff(crank)), abs(crank[-1] - crank[0])
     order, last = np.arange(len(time)), None
@@ -285,10 +286,10 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
         last, end = time[-1] * period / turned, crank[0] + np.sign(crank[-1] - crank[0]) * period
     elif (last := _time_back(press, motion, time)) is not None:
         end = crank[0] + (2 * np.pi * np.rint((crank[-1] - crank[0]) / (2 * np.pi)) if first.turns else 0.0)
-    if last is not None:  # the first state once more, so that the loop has no jump
+    if last is not None:  # the first state is repeated at the end, so that the loop has no jump
         order, time, crank = np.append(order, 0), np.append(time, last), np.append(crank, end)
         steps = np.abs(np.diff(crank))
-    turns = float(steps.sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))  # a slide goes there and back
+    turns = float(steps.sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))  # a sliding driver goes there and back in a turn
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
             f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
@@ -299,7 +300,7 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
             f" give a state every {np.degrees(FARTHEST):.0f} deg at least"
         )
     most = min(360 * max(1, np.ceil(turns - 1e-6)), MOST) + 1
-    kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them
+    kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # including the first and the last
     order, crank = order[kept], crank[kept]
     height, above_bottom = None, False
     if press.slide is not None:
@@ -325,7 +326,7 @@ def _refuse_broken(motion: Motion, has_slide: bool) -> None:
 
 
 def _period(press: Linkage, motion: Motion) -> float | None:
-    """Crank angle of the motion's period, if all bodies, balanced shafts too, are where they were after it [rad]; else None."""
+    """Crank angle of the motion's period [rad]; None if a body, e.g. a balance shaft, does not return to its initial pose."""
     if motion.period_turns is None:
         return None
     period = 2 * np.pi * motion.period_turns
@@ -334,8 +335,8 @@ def _period(press: Linkage, motion: Motion) -> float | None:
 
 
 def _driver(motion: Motion) -> dict[str, str]:
-    """What the driver is called, dead centres from which it counts by their initials, and the unit behind its coordinate; of several the
-    first, by its name."""
+    """Label of the (first) driver, with the dead centre at its zero by initials, and the unit of its coordinate; with several drivers the
+    label is the driver's name."""
     coordinate = motion.driver_coordinates[0]
     zero = "".join(word[0] for word in coordinate.zero.split()).upper() if coordinate.zero.endswith("dead centre") else coordinate.zero
     part = coordinate.part if len(motion.drivers) == 1 else motion.drivers[0]
@@ -343,8 +344,8 @@ def _driver(motion: Motion) -> dict[str, str]:
 
 
 def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
-    """Time at which the first state comes again [s]: one step after the last, if all joints are back then (joints that turn, after whole
-    turns); else None."""
+    """Time at which the first state repeats [s]: one step after the last state, if all joints return then (rotating joints after whole
+    turns); otherwise None."""
     x, v, a = motion.joint_position, motion.v, motion.a
     if len(time) < 3 or not motion.crank_speed.any():
         return None
@@ -361,7 +362,7 @@ def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
 
 
 def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions) -> None:
-    """Refuse reactions that are not those to the motion of the press.
+    """Refuse reactions that do not belong to this motion of the press.
 
     Raises:
         PinpressError: they are of another press or motion.
@@ -380,7 +381,7 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
 
 
 def _short(values: Array) -> list[float]:
-    """Numbers to nine digits, which are enough for a page and take half the characters."""
+    """Numbers rounded to nine digits, which suffice for a page and take half the characters."""
     return [float(f"{value:.9g}") for value in values.tolist()]
 
 
@@ -393,16 +394,17 @@ def _legend(drawn: Sequence[ShownLink], of_body: dict[str, Array]) -> list[dict[
 
 
 def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]:
-    """Direction (3,) from which one looks at a press; [] for a press in space.
+    """Direction (3,) from which a press is viewed; [] for a press in space.
 
-    It is the normal of the press's plane, on the side on which moving links stand before the frame, else on that of -y, but not from below.
+    It is the normal of the press's plane, on the side where moving links are in front of the frame; if there is no such side, the side of
+    -y. It never points down.
     """
     turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.axes, 1) if axis.turns]
     if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
         return []
     normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
     heights: dict[bool, list[float]] = {True: [], False: []}  # of parts of the frame, of moving links, along the normal
-    for body in (each for each in drawn if each.name in press.links):  # a flywheel stands behind all
+    for body in (each for each in drawn if each.name in press.links):  # a flywheel is behind everything
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
         heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]
@@ -426,4 +428,4 @@ def _together(points: Array, near: float) -> tuple[list[int], list[int]]:
 
 
 def _packed_path(path: Array, what: str) -> str:
-    return packed(path[:1] if np.ptp(path, axis=0).max() == 0.0 else path, what)  # one point where it rests
+    return packed(path[:1] if np.ptp(path, axis=0).max() == 0.0 else path, what)  # one point if it does not move

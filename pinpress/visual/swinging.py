@@ -1,11 +1,11 @@
-"""Vibrations of a press on its springs, or on its mounts, as a recording: `record_modes`.
+"""Vibrations of an elastic press, or of a press on its mounts, as a recording: `record_modes`.
 
-The press swings in one of its natural vibrations. On its springs the crank goes slowly through a turn, so that one sees how the vibration
-changes. Mode follows mode in the time of the page, which repeats the mode that is chosen.
+The press vibrates in one of its natural modes. For an elastic press the crank slowly makes a turn, to show how the vibration changes. The
+modes follow one another in the time of the page; the page repeats the chosen mode.
 
-On its springs a flexible link is drawn undeformed, with the line of its nodes between two bearings bent over it. On its mounts the links
-ride with the part of the frame that carries them, and the frame is drawn as lines: a rigid part from its centre of mass to everything that
-it stands on or carries, a part that bends by the lines of its model. A short line below each foot is its mount.
+A flexible link is drawn undeformed, and the bent line of its nodes between two bearings is drawn over it. On mounts, the links move with
+the part of the frame that carries them. The frame is drawn as lines: a rigid part from its centre of mass to its mounts and everything that
+it carries, an elastic part by the lines of its model. A short line below each foot is its mount.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from .shapes.appearance import bodies
 
 RATE = 24  # key frames a second
 SWING = 24  # key frames of a vibration
-STANDING = 4  # vibrations of a mode while the crank stands
-MOST = 24  # modes of a page
+STANDING = 4  # vibrations shown for each mode if the crank stands still
+MOST = 24  # most modes of a page
 
 
 class Film(NamedTuple):
@@ -47,9 +47,9 @@ class Film(NamedTuple):
 
     Attributes:
         at: poses of the bodies.
-        lines: name and nodes (k, n, 3) of each line that bends [m].
-        frequency: (k,) [rad/s].
-        words: what the page says of it.
+        lines: name and nodes (k, n, 3) of each bent line [m].
+        frequency: (k,) natural frequency [rad/s].
+        words: description of the mode on the page.
     """
 
     at: Poses
@@ -62,18 +62,19 @@ class Film(NamedTuple):
 def record_modes(
     press: Linkage, modes: ElasticModes | VibrationModes | WhirlDiagram, path: str | os.PathLike[str], *, lowest: int = 4
 ) -> Path:
-    """Write a self-contained page in which the press swings in its natural vibrations, and return its path.
+    """Write a self-contained page in which the press vibrates in its natural modes, and return its path.
 
-    The crank goes through the angles of the modes, a turn in 20 seconds; at one angle alone, and on mounts, it stands. Displacements are
-    magnified so that they can be seen, for each mode by its own factor; vibrations are slowed down to one a second. The page says
-    frequency, damping ratio, and what yields and moves. ``#t=`` at the end of its address stops it, as in `record`.
+    The crank goes through the angles of the modes, with 20 seconds for a turn. It stands still if there is only one angle, and on mounts.
+    Displacements are magnified, with a separate factor for each mode, and vibrations are slowed down to one per second. The page shows
+    frequency, damping ratio, and the parts with most of the strain and kinetic energy. ``#t=`` at the end of its address stops it, as in
+    `record`.
 
     Args:
         press: the linkage.
-        modes: its vibrations, of `natural_frequencies`; or those on its mounts, of `foundation.modes`, or of `foundation.whirl` at the
-            highest speed.
+        modes: natural modes from `natural_frequencies`; or, for a press on its mounts, from `foundation.modes`, or from `foundation.whirl`
+            at the highest speed.
         path: path of the file, usually ending in `.html`.
-        lowest: number of modes that are shown, from 1 to 24, the lowest first.
+        lowest: number of shown modes, from 1 to 24, the lowest first.
 
     Raises:
         PinpressError: the modes are of another press, Meshcat is not installed, or the file cannot be written.
@@ -91,7 +92,7 @@ def record_modes(
 
 
 def _content(press: Linkage, motion: Motion, films: list[Film]) -> dict[str, Any]:
-    """What the page shows: one film after another, each of the states of the motion, with a second between them that is not shown."""
+    """Data of the page: one film after another, each over all states of the motion, with a hidden second in between."""
     keys = len(motion.crank_angle)
     length = (keys - 1) / RATE
     start = np.arange(len(films)) * (length + 1.0)
@@ -118,7 +119,7 @@ def _content(press: Linkage, motion: Motion, films: list[Film]) -> dict[str, Any
 
 
 def on_springs(press: Linkage, modes: ElasticModes, most: int) -> tuple[Motion, list[Film]]:
-    """The motion of the crank, and films of the lowest modes, at most this number, at its states."""
+    """The motion of the crank, and films of up to ``most`` of the lowest modes in its states."""
     angles = len(modes.crank_angle)
     keys = SWING * (STANDING if angles == 1 else 20) + 1
     state = np.arange(keys) * angles // (keys - 1) % angles
@@ -126,7 +127,7 @@ def on_springs(press: Linkage, modes: ElasticModes, most: int) -> tuple[Motion, 
     motion = motion_through_change_points(press, modes.crank_angle[state], 0.0)
     rigid = poses(press, motion.joint_position)
     geometry = None if modes.shapes.shape[-1] == IN_SPACE else sprung_press(press, modes.elastic).geometry
-    bending_links: list[tuple[FlexibleBody, slice]] = []  # with their coordinates among those of all; in space no links bend
+    bending_links: list[tuple[FlexibleBody, slice]] = []  # with the slice of their coordinates; in space no links bend
     if geometry is not None:
         first, angles_of_links = geometry.rigid_size, geometry.rigid(motion)[0]
         bending_links = [(link, slice(link.columns.start - first, link.columns.stop - first)) for link in geometry.flexible]
@@ -136,8 +137,8 @@ def on_springs(press: Linkage, modes: ElasticModes, most: int) -> tuple[Motion, 
         straight = 3 if geometry is None else 2
         weighed = np.concatenate([shape[..., :straight], press.size * shape[..., straight:]], axis=2)
         both = np.concatenate([weighed.reshape(len(shape), -1), bending], axis=1)
-        sign = np.cumprod(np.append(1.0, np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)))  # it goes on from angle to angle
-        # A link may do nothing but turn about its centre of mass: a turn counts as the displacement at a quarter of the press's size.
+        sign = np.cumprod(np.append(1.0, np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)))  # continuous over the angle
+        # a link may only rotate about its centre of mass, so a rotation counts as the displacement at a quarter of the press's size
         sizes = [np.abs(shape[..., :straight]), 0.25 * press.size * np.abs(shape[..., straight:])]
         sizes += [np.abs(bending[:, own] @ link.shapes.T) for link, own in bending_links]
         largest = max(float(size.max(initial=0.0)) for size in sizes)
@@ -167,7 +168,7 @@ def _words(modes: ElasticModes, mode: int) -> str:
 
 
 def _line(link: FlexibleBody) -> Any:
-    """Nodes within 2 % of the line between the two bearings that are farthest from each other, from one to the other."""
+    """Nodes within 2 % of the line between the two most distant bearings, in order along the line."""
     ends: ComplexArray = link.places[list(link.nodes)]
     one, two = np.unravel_index(np.abs(ends[:, None] - ends).argmax(), (len(ends), len(ends)))
     along = (link.places - ends[one]) / (ends[two] - ends[one])
@@ -176,7 +177,7 @@ def _line(link: FlexibleBody) -> Any:
 
 
 def _on_mounts(press: Linkage, modes: VibrationModes | WhirlDiagram, most: int) -> tuple[Motion, list[Film]]:
-    """The press at its zero, and films of the lowest modes, at most this number; those of a diagram at its highest speed."""
+    """The press at zero, and films of up to ``most`` of the lowest modes; for a whirl diagram at its highest speed."""
     system, keys = modes.system, SWING * STANDING + 1
     phase, zero = 2 * np.pi * np.arange(keys) / SWING, np.zeros((keys, len(press.drivers)))
     several = len(press.drivers) > 1
@@ -196,7 +197,8 @@ def _on_mounts(press: Linkage, modes: VibrationModes | WhirlDiagram, most: int) 
 
 
 def _modes(modes: VibrationModes | WhirlDiagram) -> list[tuple[ComplexArray, float, str]]:
-    """Shape (n,), whose real part times exp(i phase) is the displacement, frequency [rad/s] and words of each mode by rising frequency."""
+    """Shape (n,), frequency [rad/s] and description of each mode by rising frequency; the displacement is the real part of shape x exp(i
+    phase)."""
     if isinstance(modes, VibrationModes):
         return [
             (

@@ -1,1 +1,1 @@
-"""Reports: pages of charts and tables next to a press that moves with them. `report` writes one, other modules make its sections."""
+"""Reports: pages of charts and tables next to a moving press. `report` writes a report; the other modules make its sections."""

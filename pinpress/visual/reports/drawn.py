@@ -1,5 +1,5 @@
-"""Sections of results as a page draws them (`templates/report.js`): units chosen, states thinned to those of the page, and what a chart's
-cursor follows."""
+"""Sections of results as a page draws them (`templates/report.js`): with chosen units, states thinned to those of the page, and the
+quantity that a chart's cursor follows."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from ...linkage.linkage import OfPress
 from ..pages import packed
 from .shown import Shown, refuse_others
 
-DIGITS = 5  # of numbers on a page
-SAME = 1e-6  # periods by which rounding may put an angle beyond its period
+DIGITS = 5  # digits of numbers on a page
+SAME = 1e-6  # rounding errors may put an angle beyond its period by this share of a period
 
 Follows = Literal["frames", "position", "height", "time", "nothing"]
-"""What of the recording a chart's cursor follows: its key frames, the driver's position within the period [deg or mm], the slide's height
-[mm], the time [s], or nothing."""
+"""The quantity of the recording that a chart's cursor follows: key frames, the driver's position within the period [deg or mm], the slide's
+height [mm], the time [s], or nothing."""
 
 
 def sections_of(result: Tabular, page: Shown) -> Sequence[described.Section]:
     """The sections of a result.
 
     Raises:
-        PinpressError: it has none, or is of another press.
+        PinpressError: the result has no sections, or is of another press.
     """
     if isinstance(result, OfPress):
         refuse_others(type(result).__name__, result._press, page)
@@ -54,9 +54,9 @@ def section(part: described.Section, shown: Shown, before: Shown | None = None, 
 
     Args:
         part: the section.
-        shown: what the page shows moving.
+        shown: the moving press of the page.
         before: the press before, whose curves are dashed; None for none.
-        headlines: whether figures that a reader looks for first are in it; else the page shows them at its top.
+        headlines: whether the section contains its most important figures; otherwise the page shows them at its top.
 
     Raises:
         PinpressError: a number is not finite.
@@ -74,13 +74,13 @@ def section(part: described.Section, shown: Shown, before: Shown | None = None, 
 
 
 def figure(number: described.Figure) -> dict[str, str]:
-    """A number with its unit, and where or of what it is."""
+    """A number with its unit and its note."""
     value = " ".join(filter(None, text.value(number, DIGITS)))
     return {"name": number.name, "value": value, "at": text.remark(number, DIGITS)}
 
 
 def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], words: int = 1, note: str = "") -> dict[str, Any]:
-    """A table of cells as they are to be read; the first columns, ``words`` of them, are flush left."""
+    """A table of finished cells; the first ``words`` columns are flush left."""
     return {"kind": "table", "title": title, "heads": heads, "rows": rows, "words": words, "note": note}
 
 
@@ -111,10 +111,11 @@ class Line:
         name: its name.
         look: how it is drawn.
         y: (m,) values.
-        x: (m,) places; None for those of the key frames.
-        at_frames: (k, 2) x and y at the key frames of a curve that is no function of x; None if the value is read off the curve.
-        band: (m, 2) ends of a band around it; None for none.
-        before: (b,) values of the press before, over that press's abscissa; None for none.
+        x: (m,) x values; None for those of the key frames.
+        at_frames: (k, 2) x and y at the key frames, for a curve that is not a function of x; None if the cursor reads the value from the
+            curve.
+        band: (m, 2) ends of a band around the curve; None: no band.
+        before: (b,) values of the press before, over its own abscissa; None: no such values.
     """
 
     name: str
@@ -127,21 +128,22 @@ class Line:
 
 
 def _states(of: object, shown: Shown) -> tuple[NDArray[np.intp], NDArray[np.intp], Array | None] | None:
-    """How the states of a motion are drawn if it is that of the page: indices of those on curves (c,) and at the key frames (k,), and the
-    places (c,) of the first, None for those of the key frames."""
+    """For the motion of the page: indices of the states on curves (c,) and at the key frames (k,), and the x values (c,) of the first, None
+    for those of the key frames. None for other motions."""
     if of is shown.drawn.motion:
         return shown.states, shown.keys, shown.own_along
     return (shown.frames.states, shown.frames.states, None) if of is shown.motion else None
 
 
 def _line_chart(chart: described.Chart, shown: Shown, old: described.Chart | None, before: Shown | None) -> dict[str, Any]:
-    """A chart with its counterpart of the press before dashed; thinned to the states of the page if its points are these."""
+    """A chart, with the chart of the press before as dashed curves. It is thinned to the states of the page if its points are states of the
+    page's motion."""
     known = {} if old is None else {curve.name: curve for curve in old.curves}
     along = _states(chart.along.of, shown) is not None and chart.along.values is not None
     follows = "frames" if along else _follows(chart, shown)
     up = quantity(chart.quantity).scale(_sizes([*chart.curves, *known.values()]), chart.reference)
     across, unit = _across(chart, follows)
-    if chart.square:  # one scale for both
+    if chart.square:  # the same scale for both axes
         places = (float(np.abs(curve.x).max()) for curve in chart.curves if curve.x is not None and len(curve.x))
         up = quantity(chart.quantity).scale([*_sizes(chart.curves), *places])
         across, unit = up.factor, up.unit
@@ -195,12 +197,12 @@ def _curve(title: str, line: Line, dotted: bool, wide: bool) -> dict[str, Any]:
 
 
 def covered(lines: Sequence[Line]) -> dict[int, int]:
-    """Places of curves that lie on an earlier one, and the place of the first one there; curves of zeros count too."""
+    """Index of each curve that coincides with an earlier curve -> index of the first such curve; curves of zeros count too."""
     width = float(np.ptp(np.concatenate([line.y for line in lines])))
     lower: dict[int, int] = {}
     for k, upper in enumerate(lines):
         for i, other in enumerate(lines[:k]):
-            # curves that differ by less than 0.4 % of the chart's range lie on each other, to the width of a line
+            # curves that differ by less than 0.4 % of the chart's range coincide within the width of a line
             if i not in lower and _along_the_same(upper, other) and np.abs(upper.y - other.y).max() <= 4e-3 * width:
                 lower[k] = i
                 break
@@ -222,7 +224,7 @@ def _sizes(curves: Sequence[described.Curve]) -> Iterator[float]:
 def _line(
     curve: described.Curve, chart: described.Chart, across: float, up: float, follows: Follows, shown: Shown, dashed: Array | None
 ) -> Line:
-    """A curve with its places and values times ``across`` and ``up``."""
+    """A curve, with x values multiplied by ``across`` and y values by ``up``."""
     of, period = chart.along.of, chart.along.period
     states = _states(of, shown)
     x, y, band = curve.x, up * curve.y, None if curve.band is None else up * curve.band
@@ -232,7 +234,7 @@ def _line(
     x = chart.along.values if x is None else x
     assert x is not None
     x = across * x
-    if states is not None and isinstance(of, Motion) and len(x) == len(of.crank_angle):  # a path that is walked with the recording
+    if states is not None and isinstance(of, Motion) and len(x) == len(of.crank_angle):  # a marker moves along this path
         drawn, keys, _ = states
         if len(x) <= 5000:  # each state is a point of the curve
             drawn = np.append(np.arange(len(x)), [] if period is None else 0).astype(int)
@@ -240,10 +242,10 @@ def _line(
     if period is not None and curve.x is None:
         x, y = np.append(x, x[0] + across * period), np.append(y, y[0])
         band = None if band is None else np.concatenate([band, band[:1]])
-    if follows == "position" and len(x):  # counted as the cursor is: from 0 on, or from 0 down where the driver turns negatively
+    if follows == "position" and len(x):  # counted like the cursor: from 0 up, or from 0 down if the driver turns in the negative direction
         turn = 360.0 * (shown.motion.period_turns or 1)
         if shown.period is not None and shown.period < 0:
-            way = slice(None) if x[-1] < x[0] else slice(None, None, -1)  # as time runs
+            way = slice(None) if x[-1] < x[0] else slice(None, None, -1)  # in the order of the time
             x, y, band = x[way] - turn * np.floor(x.max() / turn + SAME), y[way], None if band is None else band[way]
         else:
             x = x - turn * np.floor(min(x[0], x[-1]) / turn + SAME)
@@ -251,7 +253,7 @@ def _line(
 
 
 def _follows(chart: described.Chart, shown: Shown) -> Follows:
-    """What the cursor of a chart along another quantity than the page's follows."""
+    """The quantity that the cursor follows, for a chart whose abscissa is not that of the page."""
     along, first = chart.along, shown.motion.driver_coordinates[0]
     if along.name == "height above bottom dead centre":
         return "height" if shown.heights is not None else "nothing"
@@ -263,7 +265,7 @@ def _follows(chart: described.Chart, shown: Shown) -> Follows:
 
 
 def _across(chart: described.Chart, follows: Follows) -> tuple[float, str]:
-    """Factor and unit of places; those that a cursor follows are in the page's units."""
+    """Factor and unit of the x values; a quantity that the cursor follows has the page's unit."""
     if follows == "height" or (follows == "position" and chart.along.quantity == "m"):
         return 1e3, "mm"
     if follows == "time":
@@ -280,7 +282,7 @@ def _bars(chart: described.Bars, old: described.Bars | None) -> dict[str, Any]:
     """Bars, with those of the press before at the same places."""
     places = list(chart.places)
     if old is not None and places and not isinstance(places[0], str):
-        places = sorted({*places, *old.places})  # numbers; one may repeat itself after more turns
+        places = sorted({*places, *old.places})  # numbers; one press may have a longer period
     both = [chart] if old is None else [chart, old]
     scale = quantity(chart.quantity).scale([float(value) for bars in both for values in bars.series.values() for value in values])
 
@@ -303,7 +305,7 @@ def _bars(chart: described.Bars, old: described.Bars | None) -> dict[str, Any]:
 
 
 def _map(chart: described.Map) -> dict[str, Any]:
-    """Values as colours over two quantities. A page draws them at the places of a grid: of rays each place has the value next to it."""
+    """Values as colours over two quantities. A page draws them on a grid; for rays, each grid point gets the nearest value."""
     scale = quantity(chart.quantity).scale(np.abs(chart.values[np.isfinite(chart.values)]).tolist())
     x, y, values = chart.across.values, chart.up.values, scale.factor * chart.values
     assert x is not None
@@ -327,7 +329,7 @@ def _map(chart: described.Map) -> dict[str, Any]:
 
 
 def _on_a_grid(x: Array, y: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Places (n,) and (k,), and values (k, n), of n rays (n, m), each with one x; NaN beyond the end of a ray.
+    """Coordinates (n,) and (k,), and values (k, n), for n rays (n, m) with one x each; NaN beyond the end of a ray.
 
     The grid is as fine as the finest ray, up to the 600 places that a screen can show.
     """

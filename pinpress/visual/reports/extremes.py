@@ -13,8 +13,8 @@ from .drawn import table
 from .shown import Shown
 
 HEIGHT = "slide height"
-DIGITS = {"deg": 1, "mm": 1, "s": 4}  # behind the point, of places by their unit
-SI = ("N", "N m")  # units whose prefix is that of all values of a kind
+DIGITS = {"deg": 1, "mm": 1, "s": 4}  # digits after the decimal point, by unit
+SI = ("N", "N m")  # all values of a kind share the prefix of these units
 
 
 def _extremes(shown: Shown) -> list[ExtremeValues]:
@@ -31,7 +31,7 @@ def _extremes(shown: Shown) -> list[ExtremeValues]:
 
 
 def table_of_extremes(shown: Shown, before: Shown | None) -> dict[str, Any]:
-    """Extremes over all states, in one unit for all of a kind, with the ranges of the press before."""
+    """Extremes over all states, with one unit for each kind, and the ranges of the press before."""
     values = _extremes(shown)
     known = {} if before is None else {value.quantity: value for value in _extremes(before)}
     at = f"at [{values[0].units['smallest_at']}]"
@@ -57,11 +57,11 @@ def table_of_extremes(shown: Shown, before: Shown | None) -> dict[str, Any]:
 
 
 def _kind(value: ExtremeValues) -> str:
-    """What shares a unit: forces in all bearings, components of one vector, torques of all drivers."""
+    """The kind of values that share a unit: forces in all bearings, components of one vector, torques of all drivers."""
     name = value.quantity.rpartition(", ")[0] or value.quantity.partition(" of ")[0]
     return name.partition(" in ")[0] + value.unit
 
 
 def _change(value: ExtremeValues, before: float) -> str:
-    """By how much a range changed."""
+    """Change of a range, as text."""
     return f"{100 * (value.range / before - 1):+.2f} %" if before else ""

@@ -1,4 +1,4 @@
-"""The header of a report: whose page it is, of which drawing, by whom and of what day."""
+"""The header of a report: company, drawing, author and date."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...common import files
 from ...common.errors import PinpressError, odd_character, shown
 from ..languages import LANGUAGES
 
-LARGEST = 1_000_000  # of a logo [bytes]
+LARGEST = 1_000_000  # largest size of a logo [bytes]
 BEGINNINGS = {b"\x89PNG\r\n\x1a\n": "png", b"\xff\xd8\xff": "jpeg"}
 ROOT = "{http://www.w3.org/2000/svg}svg"
 WRITE = "give a PNG, JPEG or SVG file of at most 1 MB"
@@ -21,23 +21,24 @@ WRITE = "give a PNG, JPEG or SVG file of at most 1 MB"
 
 @dataclass(frozen=True)
 class Header:
-    """What a report says of itself: its title, and at the top of the page and of its first sheet a title block. Each part may be left out.
+    """Title of a report, and the title block at the top of the page and of its first printed sheet. Each part may be left out.
 
         pp.report(press, motion, "report.html", header=pp.Header(title="Press 3", company="Muster AG", logo="logo.svg", drawing="4711-03"))
 
     Attributes:
         title: heading of the page in place of the press's name.
-        company: whose page it is.
+        company: owner of the page.
         logo: path of a PNG, JPEG or SVG file of at most 1 MB, which becomes part of the page; it is read when the header is made.
         drawing: number of the drawing.
-        author: who made the page.
-        revision: of the page.
-        date: as it is to be shown.
+        author: author of the page.
+        revision: revision of the page.
+        date: date, as text that is shown unchanged.
         notes: any text; its line ends are kept.
-        language: of the page, "en", "de", "zh" or "ja" (English, German, Chinese, Japanese); texts that you gave stay as they are.
+        language: language of the page: "en", "de", "zh" or "ja" (English, German, Chinese, Japanese); your own texts are not translated.
 
     Raises:
-        PinpressError: a part is no text, the language is no such one, or the logo cannot be read, is no such picture or larger than 1 MB.
+        PinpressError: a part is not text, the language is unknown, or the logo cannot be read, is not such a picture or is larger than 1
+            MB.
     """
 
     title: str = ""
@@ -63,7 +64,7 @@ class Header:
 
     @cached_property
     def picture(self) -> str | None:
-        """The logo as an address that holds all of it."""
+        """The logo as a data URL."""
         if self.logo is None:
             return None
         path = files.path_of("Header: logo", self.logo)
@@ -77,7 +78,7 @@ class Header:
         return f"data:image/{kind or 'svg+xml'};base64,{base64.b64encode(content).decode('ascii')}"
 
     def block(self) -> dict[str, Any] | None:
-        """The title block below the title as data of a page; None where there is nothing in it."""
+        """The title block below the title, as data of a page; None if it is empty."""
         rows = [[name.capitalize(), _line(getattr(self, name))] for name in ("drawing", "revision", "author", "date")]
         parts = {"logo": self.picture, "company": _line(self.company), "rows": [row for row in rows if row[1]], "notes": self.notes.strip()}
         return parts if any(parts.values()) else None
@@ -94,5 +95,5 @@ def _line(text: str) -> str:
 def _is_svg(content: bytes) -> bool:
     try:
         return ElementTree.fromstring(content).tag == ROOT
-    except (ElementTree.ParseError, ValueError, LookupError):  # of an encoding that Python does not know
+    except (ElementTree.ParseError, ValueError, LookupError):  # LookupError: an encoding that Python does not know
         return False

@@ -50,16 +50,16 @@ def report(
     before_name: str = "",
     before_inputs: Sequence[tuple[str, str]] = (),
 ) -> Path:
-    """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
+    """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return the path.
 
     At its top the page states what was computed: press, file and its SHA-256, motion, drives, loads, friction, version and day. Its charts
-    show slide height, velocity and acceleration; driving torque, crank speed where it is not constant, and where the energy of a stroke
-    goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
-    it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process
-    force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed, with the motor's
-    curve. A table lists the extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn, and the states
-    on both sides of each step of the load. For an `ElasticRun` these forces are those of the rigid press; a separate section compares them
-    with the forces of the springs, and has the slide's depth, and the places where loads begin and end.
+    show slide height, velocity and acceleration; driving torque, crank speed if it is not constant, and the energy balance of a stroke;
+    every bearing and guide force, its magnitude, components, and polar diagrams in world axes and in the axes of the loaded link; moments
+    in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process force over the crank angle
+    and over the slide's height. For a run, a chart shows the motor's torque over the speed, with the motor's curve. A table lists the
+    extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn, and the states on both sides of each step
+    of the load. For an `ElasticRun` these forces are those of the rigid press; a separate section compares them with the forces of the
+    springs, and shows the slide's depth and the places where loads begin and end.
 
     Args:
         press: As for `record`.
@@ -67,8 +67,8 @@ def report(
         path: Path of the file, as for `record`.
         reactions: Reactions to this motion; by default those without loads and friction. Give them for a run under loads.
         traces: As for `record`.
-        before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table gives
-            their ranges too.
+        before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table also
+            shows their ranges.
         results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn next to the
             process force too, and `MotionRatings`; a `Run` of the press next to this motion; `BalancedPress` and `TradeOffCurve`;
             `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `LoadedGuide`; `ElasticRun`, `ElasticModes`,
@@ -79,13 +79,13 @@ def report(
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
         header: Language of the page, and title, company, logo and other parts of a title block, which stands at the top of the page and of
             its first sheet; by default the page is in English, and the press's name is the title.
-        inputs: More rows for the inputs of the page, names and texts, such as the files from which the press was made.
-        before_name: What the dashed curves are, such as "at 50 r/min"; by default the name of their press.
-        before_inputs: More rows for the inputs of the dashed curves.
+        inputs: Additional rows for the inputs of the page: pairs of name and text, such as the files from which the press was made.
+        before_name: Name of the dashed curves, such as "at 50 r/min"; by default the name of their press.
+        before_inputs: Additional rows for the inputs of the dashed curves.
 
     Raises:
         PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, a result is of another press or of a
-            kind that has no section, an input is no pair of texts, or ``before`` is over another quantity (time or crank angle) than the
+            kind that has no section, an input is not a pair of texts, or ``before`` is over another quantity (time or crank angle) than the
             motion, or turns the other way.
         UnknownNameError: As `record`.
     """
@@ -111,7 +111,7 @@ def report(
 
 
 def _rows(name: str, given: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """More rows of inputs; raises PinpressError where one is no pair of texts."""
+    """Additional rows of inputs; raises PinpressError if a row is not a pair of texts."""
     rows = [tuple(row) if isinstance(row, Sequence) else (row,) for row in given]
     if odd := [row for row in rows if len(row) != 2 or not all(isinstance(part, str) for part in row)]:
         raise PinpressError(f'{name} has {as_text(odd[0])}: give pairs of texts, such as ("drawing", "4711-03")')
@@ -126,14 +126,14 @@ def _content(
     before_name: str,
     before_rows: Sequence[tuple[str, str]],
 ) -> dict[str, Any]:
-    """What the charts' part of the page is given; ``rows`` are more inputs."""
+    """Data of the charts of the page; ``rows``: additional inputs."""
     if isinstance(shown.motion, Run) and not any(result is shown.motion for result in results):
         results = [shown.motion, *results]
     ratings = None
     if results:
-        from ...ratings.rating import PressRatings  # slow to import, and most reports do without
+        from ...ratings.rating import PressRatings  # slow to import, and most reports do not need it
 
-        # the first ratings give the permissible force that stands next to the process force
+        # the permissible force next to the process force is that of the first ratings
         ratings = next((result for result in results if isinstance(result, PressRatings)), None)
     more = [part for result in results for part in sections_of(result, shown)]
     drawn = [section(_with_limit(part, ratings), shown, before, headlines=False) for part in shown.sections]
@@ -170,7 +170,7 @@ def _with_limit(part: described.Section, ratings: PressRatings | None) -> descri
 
 
 def _inputs(shown: Shown, more: Sequence[described.Section]) -> list[tuple[str, str]]:
-    """What the page and its other results were computed from."""
+    """The inputs of the page and of its other results."""
     *rows, computed_by = inputs_of(shown.reactions)
     for part in more:
         rows += [row for row in part.inputs if row not in rows]
@@ -178,5 +178,5 @@ def _inputs(shown: Shown, more: Sequence[described.Section]) -> list[tuple[str, 
 
 
 def _with_rows(inputs: Sequence[tuple[str, str]], rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Inputs with more rows before the last one, which says by what and when they were stated."""
+    """Inputs with additional rows before the last row, which names the version and the date."""
     return [*inputs[:-1], *rows, inputs[-1]]

@@ -1,4 +1,4 @@
-"""What a report shows moving: a press, its motion with the reactions to it, and the key frames that all charts share."""
+"""The moving press of a report: the linkage, its motion with reactions, and the key frames that all charts share."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from ..recording import KeyFrames, key_frames
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What a page shows moving.
+    """The moving press of a page.
 
     Attributes:
         press: The linkage.
         reactions: Reactions to its motion.
         frames: Key frames of the motion.
         bottom: Slide position at bottom dead centre [m]; None without a dead centre.
-        drawn: Reactions whose states the curves show: these reactions, or these with the states on both sides of each step of the load.
-        states: (c,) indices of the curves' states in `drawn`: those of the key frames, and both states at each step of the load.
-        time: (c,) their times, 0 at the first [s].
+        drawn: Reactions whose states the curves show: ``reactions``, perhaps with additional states on both sides of each step of the load.
+        states: (c,) indices of the curves' states in `drawn`: key frames, and both states at each step of the load.
+        time: (c,) times of these states, 0 at the first [s].
         along: (c,) quantity over which the curves are drawn, in its unit.
     """
 
@@ -49,12 +49,12 @@ class Shown:
 
     @property
     def motion(self) -> Motion:
-        """The motion to which the reactions are."""
+        """The motion of the reactions."""
         return self.reactions.motion
 
     @cached_property
     def sections(self) -> Sequence[described.Section]:
-        """What the reactions show."""
+        """The sections of the reactions."""
         return self.reactions.described()
 
     @cached_property
@@ -72,7 +72,7 @@ class Shown:
 
     @property
     def own_along(self) -> Array | None:
-        """(c,) quantity over which the curves are drawn; None where they have the key frames alone."""
+        """(c,) quantity over which the curves are drawn; None if their states are the key frames only."""
         return None if self.drawn is self.reactions else self.along
 
     @property
@@ -89,8 +89,8 @@ class Shown:
 
 
 def as_shown(reactions: Reactions, frames: KeyFrames) -> Shown:
-    """What a page shows moving, of reactions and the key frames of their motion; raises `PinpressError` as `extremes` does."""
-    rounding(reactions)  # which refuses forces that are not finite
+    """The moving press of a page, from reactions and the key frames of their motion; raises `PinpressError` as `extremes`."""
+    rounding(reactions)  # raises an error if a force is not finite
     press = reactions._press
     bottom = -math.inf if press.slide is None else turning_points(press)[0]
     motion, peaks = reactions.motion, at_peaks(reactions)
@@ -111,7 +111,7 @@ def before_shown(before: Reactions, motion: Motion) -> Shown:
     """The dashed curves: another press, or this one at another operating point.
 
     Raises:
-        PinpressError: It is over another quantity than the motion, or turns the other way.
+        PinpressError: ``before`` is over another quantity than the motion, or turns the other way.
     """
     its, over = along_motion(before.motion).name, along_motion(motion).name
     if its != over:
@@ -123,7 +123,7 @@ def before_shown(before: Reactions, motion: Motion) -> Shown:
 
 
 def in_words(motion: Motion) -> str:
-    """What the motion is."""
+    """Description of the motion, as text."""
     if isinstance(motion, Run):
         return f"simulated run of {motion.time[-1]:.6g} s"
     if motion.crank_speed.ndim == 1 and is_constant(motion.crank_speed):
@@ -134,7 +134,7 @@ def in_words(motion: Motion) -> str:
 
 
 def refuse_others(what: str, press: Linkage, shown: Shown) -> None:
-    """Raise PinpressError where a result is of another press than the page."""
+    """Raise PinpressError if a result is of another press than the page."""
     if not is_same_press(press, shown.press):
         its = told_apart(press, shown.press)
         raise PinpressError(f"results: the {what} is of {its}, the page of {shown.press.name}: give one of the same press")

@@ -1,1 +1,1 @@
-"""What is drawn of a press: its visuals, or stand-ins for them."""
+"""The drawn shapes of a press: its visuals, or stand-ins for them."""

@@ -1,4 +1,4 @@
-"""What a press looks like: the `<visual>` shapes of its links, and plain shapes for links without any."""
+"""The appearance of a press: the `<visual>` shapes of its links, and plain shapes for links without visuals."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from ...linkage.writing import is_ballast
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts
 
-MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a browser can barely open a page with more
-STAND_IN = "stand_in"  # name of visuals that pinpress wrote for other programs; here shapes are made up again, as lengths may have changed
+MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # limits for all links together; a browser can barely open a page with more
+STAND_IN = "stand_in"  # visuals that pinpress wrote for other programs; made up again here, because lengths may have changed
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class ShownLink:
         name: name of the link.
         frame: index of the link in the frames of the model.
         parts: one or more solids in the link's frame.
-        drawn: whether the parts are the URDF's visuals; else they are made up from the link's bearings.
+        drawn: whether the parts are the URDF's visuals; otherwise they are made up from the link's bearings.
     """
 
     name: str
@@ -45,17 +45,17 @@ class ShownLink:
 def bodies(
     press: Linkage, joint_position: Array, *, made_up: Collection[str] = (), flywheels: Sequence[ShaftFlywheel] = ()
 ) -> tuple[ShownLink, ...]:
-    """The links of a press as solids, in document order, and flywheels behind them.
+    """The links of a press as solids, in document order, followed by flywheels.
 
-    A link without `<visual>` is shown as a bar, plate, web or disc between its bearings, a slide as a block of its mass, the frame of a
-    press as columns, beams, gibs and a bed. Counterweights are of steel of their mass, those of `balance` on links with visuals too.
-    Links that are fixed to others and have no bearing of their own are left out.
+    A link without `<visual>` is shown as a bar, plate, web or disc between its bearings. A slide is a block of its mass, and the frame of a
+    press has columns, beams, gibs and a bed. Counterweights are steel solids of their mass; those of `balance` are also shown on links with
+    visuals. Links that are fixed to other links and have no bearing are left out.
 
     Args:
         press: the linkage.
-        joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of gibs [rad or m].
-        made_up: names of links that are shown from their bearings in any case, because their `<visual>` no longer fits.
-        flywheels: on the shafts of drivers.
+        joint_position: (n, nv) joint positions of a motion; their ranges are the lengths of gibs [rad or m].
+        made_up: names of links that are made up from their bearings although they have a `<visual>`, because it no longer fits.
+        flywheels: flywheels on the shafts of drivers.
 
     Raises:
         PinpressError: joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
@@ -81,16 +81,16 @@ def bodies(
 
 @typed
 def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryModel:
-    """The shapes that `record` shows, as a `pinocchio.GeometryModel` that goes with ``press.model``.
+    """The shapes that `record` shows, as a `pinocchio.GeometryModel` for ``press.model``.
 
-    They are the boxes, cylinders, spheres and meshes of the URDF's ``<visual>``, and plain shapes of links that have none. Objects are
-    named as Pinocchio names them, "link_0", "link_1", ... for each link; they hold their meshes without the names of the files. Every call
-    makes new ones.
+    They are the boxes, cylinders, spheres and meshes of the URDF's ``<visual>``, and plain shapes for links without visuals. Objects have
+    Pinocchio's names, "link_0", "link_1", ... for each link. They contain their meshes, but not the names of the mesh files. Every call
+    makes new objects.
 
     Args:
         press: the linkage.
-        motion: motion whose travels are the lengths of plain rails. By default the travels are those over all crank angles that the press
-            can take; those of a press with several drivers are zero.
+        motion: motion whose ranges of joint positions are the lengths of plain rails. By default the ranges over all possible crank angles;
+            zero for a press with several drivers.
 
     Raises:
         PinpressError: a visual is not finite or has no size, or its mesh cannot be read; there are more visuals or triangles than a page
@@ -104,7 +104,7 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
         position = motion.joint_position
     elif len(press.drivers) > 1:
         position = press.closed[None]
-    else:  # over all crank angles, exact enough for rails
+    else:  # over all crank angles, accurate enough for rails
         branch = press.branch_through_change_points
         position = predict(branch, np.linspace(branch.angles[0], branch.angles[-1], 361)).T
     for body in bodies(press, position):
@@ -119,7 +119,7 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
 
 
 def _drawn(file: str, robot: Element, colours: Mapping[str, Array]) -> dict[str, tuple[Part, ...]]:
-    """The visuals of links that have any, by the links' names. They are counted while they are read, so that memory is never short."""
+    """Name of a link -> its visuals, for links with visuals. They are counted while they are read, so that memory suffices."""
     drawn, shapes, triangles = {}, 0, 0
     for link in robot.all("link"):
         parts = []

@@ -20,7 +20,7 @@ def besides(body: BodyMass, solids: Sequence[MadeUpSolid]) -> Ballast:
     """The counterweight that gives a link its mass and centre of mass, in addition to its drawn solids as steel."""
     sizes = [volume_and_centre(solid.shape) for solid in solids]
     volumes = np.array([volume for volume, _ in sizes])
-    own = min(STEEL * float(volumes.sum()), 0.5 * body.mass)  # solids may be drawn larger than the link can be
+    own = min(STEEL * float(volumes.sum()), 0.5 * body.mass)  # at most half of the link's mass, because solids may be drawn too large
     if not own > 0:
         return Ballast(body.mass, body.centre)
     centres = [(solid.placement @ [*centre, 1.0])[:3] for solid, (_, centre) in zip(solids, sizes, strict=True)]
@@ -34,11 +34,11 @@ def outside(point: Array, pins: Array, directions: Array) -> float:
 
 
 def plane_counterweight(mass: float, arm: float, width: float, turns: bool) -> tuple[Shape, float]:
-    """The solid of a counterweight across the normal of a plane, and its thickness [m]: half a disc about the pivot of a link that turns
-    fully, if one of this mass and centre is neither too thin nor too thick, else a disc about the centre of mass.
+    """The solid of a counterweight across the normal of a plane, and its thickness [m]: for a link that turns fully, half a disc about its
+    pivot, if a half disc of this mass and centre is neither too thin nor too thick; otherwise a disc about the centre of mass.
 
     Args:
-        mass: [kg].
+        mass: mass [kg].
         arm: distance of the centre of mass from the pivot [m].
         width: width of a bar [m].
         turns: whether the link turns fully.
@@ -46,7 +46,7 @@ def plane_counterweight(mass: float, arm: float, width: float, turns: bool) -> t
     volume, radius = mass / STEEL, 0.75 * math.pi * arm
     if turns and radius > 0 and 0.15 * width <= (thickness := 2 * volume / (math.pi * radius**2)) <= 1.6 * radius:
         return half_disc(radius, thickness), thickness
-    # as thick as a bar, thicker if the radius would be larger than 3 bars, up to 1.5 radii
+    # as thick as a bar; if the radius would exceed 3 widths of a bar, thicker, up to 1.5 radii
     thickness = min(max(volume / (math.pi * (3.0 * width) ** 2), 0.5 * width), 1.5 * (volume / (1.5 * math.pi)) ** (1 / 3))
     return Cylinder(math.sqrt(volume / (math.pi * thickness)), thickness), thickness
 
@@ -57,13 +57,13 @@ def ball(mass: float) -> Sphere:
 
 
 def slide_block(mass: float, least_width: float, least_depth: float, size: float) -> tuple[float, float, float]:
-    """Height along the guide, width and depth of a slide's block of this mass, but not too large for the linkage [m].
+    """Height along the guide, width and depth of a slide's block of this mass, limited by the size of the linkage [m].
 
     Args:
-        mass: [kg].
-        least_width: width of what the block hangs on [m].
-        least_depth: its depth [m].
-        size: of the linkage [m].
+        mass: mass [kg].
+        least_width: width of the part from which the block hangs [m].
+        least_depth: depth of this part [m].
+        size: size of the linkage [m].
     """
     volume, height, depth = mass / STEEL, 0.75, 0.8  # height and depth as shares of the width
     wide = max(least_width, min((volume / (height * depth)) ** (1 / 3), 0.42 * size))
@@ -72,7 +72,7 @@ def slide_block(mass: float, least_width: float, least_depth: float, size: float
 
 
 def flywheel_disc(inertia: float, size: float) -> Cylinder:
-    """A disc of this moment of inertia about its axis [kg m2], along z, a quarter of its radius thick; thicker if its radius would be more
-    than 0.6 of the size of the linkage [m]."""
+    """A disc along z with this moment of inertia about its axis [kg m2]. Its thickness is a quarter of its radius; it is thicker if its
+    radius would exceed 0.6 of the linkage's size [m]."""
     radius = min((2 * inertia / (math.pi * STEEL * 0.25)) ** 0.2, 0.6 * size)
     return Cylinder(radius, 2 * inertia / (math.pi * STEEL * radius**4))

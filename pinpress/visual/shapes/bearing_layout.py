@@ -23,11 +23,11 @@ class PlacedBearing:
     """A joint or a cut loop in the drawn pose, world axes. Side 0 is the parent's or link1's, side 1 the child's or link2's.
 
     Attributes:
-        kind: "pin", "ball" (only in space; it turns about all axes), "guide" (it slides) or "weld".
+        kind: "pin", "ball" (only in space; rotates about all axes), "guide" (slides) or "weld".
         links: the links of the two sides; None for a side whose link needs no made-up shapes.
         on_frame: whether each side is fixed to the frame.
         points: (2, 3) places of the two sides [m].
-        axis: (3,) unit vector; without meaning for a ball and a weld in space.
+        axis: (3,) unit vector of the axis; not used for a ball and for a weld in space.
         travel: lowest and highest position of a guide [m].
     """
 
@@ -41,7 +41,7 @@ class PlacedBearing:
 
 @dataclass(frozen=True, eq=False)
 class BodyMass:
-    """The mass of a link, with what is welded to it, in the drawn pose, world axes.
+    """The mass of a link and of the links welded to it, in the drawn pose, world axes.
 
     Attributes:
         mass: mass [kg].
@@ -73,16 +73,16 @@ class BearingLayout:
 
     Attributes:
         links: the links that need made-up shapes, in document order.
-        on_frame: those of these links that are the frame, or fixed to it.
-        placements: link -> (4, 4) placement of its frame, of all links.
+        on_frame: those of ``links`` that are the frame or fixed to it.
+        placements: link -> (4, 4) placement of its frame, for all links.
         bearings: joints, then cut loops.
         normal: (3,) normal of a planar linkage, towards the viewer; None for a linkage in space.
-        welded: link -> origin (3,) at which it is welded to others, for links whose body has visuals of other links [m].
+        welded: link -> origin (3,) at which it is welded to other links, if the visuals of those links show its body [m].
         masses: link -> its mass, if it has one; without counterweights that were added since the linkage was read.
-        added: link -> the counterweight that was added since.
-        cranks: links that turn fully on the frame, or are driven there.
+        added: link -> the counterweight that was added since then.
+        cranks: links that turn fully on the frame, or are driven on it.
         turning: joints of all such links, also of links with visuals.
-        slide: the slide, if it needs made-up shapes; else None.
+        slide: the slide, if it needs made-up shapes; otherwise None.
         upwards: (3,) unit vector along which the slide's position grows; None without a slide.
         size: size of the linkage [m].
     """
@@ -114,9 +114,10 @@ class BearingLayout:
         return ends
 
     def nodes(self, link: str) -> Array:
-        """(k, 3) places that a link joins, each once, projected on the plane of a planar linkage.
+        """(k, 3) distinct places that a link connects, projected on the plane of a planar linkage.
 
-        A link all of whose bearings are in one place reaches for its centre of mass, a slide for a place in that direction.
+        If all bearings of a link are in one place, its centre of mass is a second place; for a slide, a place in the direction of its
+        centre of mass.
         """
         points = [bearing.points[side] for bearing, side in self.ends(link)] + ([self.welded[link]] if link in self.welded else [])
         nodes = self._distinct(points)
@@ -133,7 +134,7 @@ class BearingLayout:
         return points if self.normal is None else points - np.multiply.outer(points @ self.normal, self.normal)
 
     def disc_radius(self, link: str, axis: Array, least: float) -> float:
-        """Radius of the disc about an axis (3,) that has the inertia of a link, within limits; the least without a mass [m]."""
+        """Radius of the disc about an axis (3,) with the inertia of a link, within limits; ``least`` for a link without mass [m]."""
         if link not in self.masses:
             return least
         gyration = float(axis @ self.masses[link].gyration @ axis)
@@ -148,15 +149,15 @@ class BearingLayout:
 
     @cached_property
     def width(self) -> float:
-        """Width of a bar: in proportion to the size, less where links are short [m]."""
+        """Width of a bar: proportional to the linkage's size, smaller if links are short [m]."""
         lengths = [np.linalg.norm(b - a) for link in self.links if link not in self.on_frame for a, b in tree(self.nodes(link))]
         return float(np.clip(0.5 * min(lengths, default=np.inf), 0.03 * self.size, 0.042 * self.size))
 
 
 def tree(nodes: Array) -> list[tuple[Array, Array]]:
-    """The shortest lines between nodes (k, 3) that connect them all."""
+    """The shortest lines that connect all nodes (k, 3) (minimum spanning tree)."""
     lines, reached = [], [0]
-    nearest = {j: (float(np.linalg.norm(node - nodes[0])), 0) for j, node in enumerate(nodes) if j}  # distance, and place among reached
+    nearest = {j: (float(np.linalg.norm(node - nodes[0])), 0) for j, node in enumerate(nodes) if j}  # distance, and the reached node
     while nearest:
         j = min(nearest, key=lambda j: (nearest[j], j))
         lines.append((nodes[reached[nearest.pop(j)[1]]], nodes[j]))
@@ -170,7 +171,7 @@ def tree(nodes: Array) -> list[tuple[Array, Array]]:
 def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], added: Mapping[int, AddedBallast]) -> BearingLayout:
     """Lay out the bearings of a press in the drawn pose; of one that is drawn open, in its home pose.
 
-    Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
+    Links that are welded together are drawn as their first link, unless one of them has visuals.
 
     Args:
         press: the linkage.
@@ -214,7 +215,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
             turned = places[j].rotation
             with np.errstate(all="ignore"):
                 gyration = turned @ body.inertia @ turned.T / body.mass
-            if np.isfinite(gyration).all():  # not of a mass next to nothing
+            if np.isfinite(gyration).all():  # overflows for a tiny mass
                 masses[link] = BodyMass(body.mass, places[j].act(body.lever), gyration)
     since = {link: Ballast(added[j].mass, places[j].act(added[j].centre)) for link, j in own.items() if j in added}
     turning = frozenset(
@@ -235,7 +236,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
     layout = BearingLayout(
         links, on_frame, placements, tuple(bearings), normal, welded, masses, since, cranks, turning, slide, upwards, size
     )
-    # A link that is welded to one with visuals and joins no other place is left out: the other link stands for it.
+    # a link without other bearings that is welded to a link with visuals is left out, because the other link shows it
     stubs = {link for link in welded if len(layout.nodes(link)) < 2}
     without = [replace(each, links=tuple(None if link in stubs else link for link in each.links)) for each in bearings]  # type: ignore[arg-type]
     return replace(layout, links=tuple(link for link in links if link not in stubs), bearings=tuple(without))
@@ -264,7 +265,7 @@ def _bearings(
 
 
 def _normal(bearings: list[PlacedBearing]) -> Array | None:
-    """Normal of the plane of a linkage whose pins are parallel and whose guides are across; else None."""
+    """Normal of the plane of a linkage with parallel pins and guides perpendicular to them; otherwise None."""
     axes = {kind: [bearing.axis for bearing in bearings if bearing.kind == kind] for kind in ("pin", "guide")}
     if not axes["pin"]:
         return None

@@ -1,4 +1,4 @@
-"""Bodies and their motion as the commands that Meshcat's viewer takes."""
+"""Bodies and their motion as commands for Meshcat's viewer."""
 
 import base64
 from collections.abc import Iterable, Iterator, Sequence
@@ -26,14 +26,14 @@ def body_poses(press: Linkage, at: Poses, frames: Sequence[int]) -> Array:
         pose[:, :3] = at.points(frame.parentJoint, frame.placement.translation)
         np.matmul(at.rotation[frame.parentJoint], frame.placement.rotation, out=rotation)
     poses[..., 3:] = _quaternions(turned.reshape(-1, 3, 3)).reshape(*poses.shape[:2], 4)
-    # q and -q are one rotation, but interpolating between them would turn the link the long way round
+    # q and -q are the same rotation, but an interpolation between them would turn the link the long way round
     flips = np.where(np.sum(poses[:, 1:, 3:] * poses[:, :-1, 3:], axis=2) < 0, -1.0, 1.0)
     poses[:, 1:, 3:] *= np.cumprod(flips, axis=1)[..., None]
     return poses
 
 
 def _quaternions(rotations: Array) -> Array:
-    """(k, 4) quaternions x, y, z, w of rotations (k, 3, 3), by the largest of their components, which is divided by."""
+    """(k, 4) quaternions x, y, z, w of rotations (k, 3, 3), from the largest component, because the others are divided by it."""
     r = rotations.reshape(-1, 9).T
     squares = np.array([1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8], 1 - r[0] - r[4] + r[8], 1 + r[0] + r[4] + r[8]])
     products = np.empty((4, 4, len(rotations)))  # four times the products of two components
@@ -50,7 +50,7 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def moves(poses: Array) -> bool:
-    """Whether poses (k, 7) differ, by more than rounding [m, or of a quaternion]."""
+    """Whether poses (k, 7) differ by more than rounding errors."""
     return bool(np.any(np.ptp(poses, axis=0) > 1e-9))
 
 
@@ -67,7 +67,7 @@ def commands(bodies: Iterable[ShownLink], poses: dict[str, Array], time: Array) 
     """
     clips = []
     for i, body in enumerate(bodies):
-        path, pose = f"/press/{i}", poses[body.name]  # by index: a link may have any name
+        path, pose = f"/press/{i}", poses[body.name]  # by index, because a link may have any name
         yield _transform(path, pin.XYZQUATToSE3(pose[0]).homogeneous)
         for j, part in enumerate(body.parts):
             shape, turned = _geometry(part.shape)
@@ -81,14 +81,14 @@ def commands(bodies: Iterable[ShownLink], poses: dict[str, Array], time: Array) 
 
 
 def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
-    """Commands as the viewer takes them: MessagePack, in base64 for the page.
+    """Commands in the viewer's format: MessagePack, in base64 for the page.
 
     Raises:
-        PinpressError: Meshcat is not installed, a number is too large for single precision, in which the viewer computes, or times are the
-            same there.
+        PinpressError: Meshcat is not installed, a number is too large for single precision, in which the viewer computes, or different
+            times are equal in single precision.
     """
     try:
-        import umsgpack  # optional: it comes with Meshcat
+        import umsgpack  # optional, installed with Meshcat
     except ImportError as error:
         raise PinpressError(NO_MESHCAT) from error
 
@@ -107,7 +107,7 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
 
 
 def _refuse_unseen(value: Any, what: str) -> None:
-    """Raise PinpressError where a number of a command overflows single precision, or times of a motion are the same there."""
+    """Raise PinpressError if a number of a command overflows single precision, or if different times of a motion are equal in it."""
     if isinstance(value, dict):
         for name, part in value.items():
             _refuse_unseen(part, {"times": "the time of the motion", "values": "a pose of the motion"}.get(name, what))
@@ -154,6 +154,6 @@ def _geometry(shape: Shape) -> tuple[dict[str, Any], Array]:
         return {"type": "BufferGeometry", "data": {"attributes": attributes, "index": index}}, np.eye(4)
     if isinstance(shape, Cylinder):
         body = {"type": "CylinderGeometry", "radiusTop": shape.radius, "radiusBottom": shape.radius, "height": shape.length}
-        upright = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # three.js's cylinders lie along y, ours along z
+        upright = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # cylinders of three.js lie along y, ours along z
         return body | {"radialSegments": 64}, upright
     return {"type": "SphereGeometry", "radius": shape.radius, "widthSegments": 48, "heightSegments": 32}, np.eye(4)

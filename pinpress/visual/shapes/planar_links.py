@@ -1,8 +1,8 @@
 """Plain shapes of the links of a planar linkage, made up from their bearings and masses.
 
-Links are bars, plates, webs, discs and blocks, each in a separate layer along the normal, so that they pass each other. The frame stands
-behind, then come the links that it carries on pins, then the others, and in front the slides in their gibs. Lengths are true, except for
-the offsets of the layers along the normal; these are about the true heights of the links.
+Links are bars, plates, webs, discs and blocks. Each link has a separate layer along the normal, so that links can pass each other. From
+back to front the layers are: the frame, links on pins of the frame, other links, and slides in their gibs. Lengths are true, except for the
+offsets of the layers along the normal, which are near the true heights of the links.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from .ballast import besides, outside, plane_counterweight, slide_block
 from .bearing_layout import Ballast, BearingLayout, PlacedBearing, tree
 from .solids import Box, Cylinder, MadeUpSolid, Plate, rounded_plate
 
-# In widths of a bar.
+# lengths in widths of a bar
 THICKNESS = 0.5
-EYE, EYE_LENGTH = 0.72, 0.62  # radius and length
-DISC = 1.25  # least radius
+EYE, EYE_LENGTH = 0.72, 0.62  # radius and length of a bar's eye
+DISC = 1.25  # least radius of a disc
 WEB_END = 0.85  # radius of a crank's web about its crank pin
-BLOCK = 1.15  # distance of the outermost place of a slide from its ends along the guide
+BLOCK = 1.15  # distance from the outermost bearing of a slide to the end of its block along the guide
 COLLAR = 2.4  # length of a collar
 
 
@@ -72,7 +72,7 @@ class PlanarLinks:
     # Layers
 
     def _rides(self, link: str) -> bool:
-        """Whether a link is only a collar on another link, whose layer it shares."""
+        """Whether a link is only a collar on another link; then both share a layer."""
         return link in self._collars and len(self._nodes[link]) == 1 and self._collars[link].links[0] is not None
 
     def _carrier(self, link: str) -> str:
@@ -81,12 +81,12 @@ class PlanarLinks:
         return link
 
     def _rank(self, link: str) -> int:
-        """Links on pins of the frame are behind, those in its guides in front."""
+        """Order of the layers: links on pins of the frame are behind, links in its guides are in front."""
         kinds = {bearing.kind for bearing, side in self.layout.ends(link) if bearing.on_frame[1 - side]}
         return 2 if "guide" in kinds else 0 if "pin" in kinds else 1
 
     def guide(self, link: str) -> PlacedBearing | None:
-        """The guide of a link on the frame."""
+        """The guide between a link and the frame."""
         return next((b for b, side in self.layout.ends(link) if b.kind == "guide" and side == 1 and b.on_frame[0]), None)
 
     @cached_property
@@ -97,7 +97,7 @@ class PlanarLinks:
         return min([*depths, *true]) - 0.68 * self.width
 
     def depth(self, solid: MadeUpSolid) -> tuple[float, float]:
-        """Lowest and highest place of a solid that stands along the normal [m]."""
+        """Lowest and highest point of a solid along the normal [m]."""
         shape, middle = solid.shape, float(solid.placement[:3, 3] @ self.normal)
         half = shape.size[2] / 2 if isinstance(shape, Box) else shape.thickness / 2 if isinstance(shape, Plate) else 0.0
         half = shape.length / 2 if isinstance(shape, Cylinder) else half
@@ -126,7 +126,7 @@ class PlanarLinks:
         w, nodes, guide = self.width, self._nodes[link], self.guide(link)
         if guide is not None:
             yield from self._slide(link, guide)
-        elif (guide_on_link := self._collars.get(link)) is not None:  # a block about the bar, and a rod to the rest of the link
+        elif (guide_on_link := self._collars.get(link)) is not None:  # a block around the bar, and a rod to the rest of the link
             on, size = self.height(guide_on_link, 0), (COLLAR * w, 1.9 * w, 0.92 * w)
             yield self.box(guide_on_link.points[1], guide_on_link.axis, on, size)
             if not self._rides(link):
@@ -139,7 +139,7 @@ class PlanarLinks:
                 yield self._bar(low - more, high + more, self.height(bearing, 0), 0.9 * w)
 
     def travelled(self, bearing: PlacedBearing) -> list[Array]:
-        """Ends of the travel of a guide; for other bearings the same place twice."""
+        """Both ends of the travel of a guide; for other bearings the same place twice."""
         return [self.layout.flat(bearing.points[0]) + at * bearing.axis for at in bearing.travel]
 
     def _bars(self, link: str, nodes: Array) -> Iterator[MadeUpSolid]:
@@ -148,12 +148,12 @@ class PlanarLinks:
         others = [self.layout.flat(b.points[side]) for b, side in self.layout.ends(link) if b.kind != "guide" or side == 1]
         reach = max(float(np.linalg.norm(node - pivot)) for node in nodes)
         if self._hangs(link):
-            nodes = nodes[:1]  # the rest is its counterweight
+            nodes = nodes[:1]  # the other node is the centre of mass, which the counterweight shows
         elif reach < 1.5 * w and link not in self._collars:  # a compact link is a disc
             disc = self.layout.disc_radius(link, self.normal, DISC * w) if len(nodes) == 1 else DISC * w
             radius = max(reach + 0.9 * w, disc)
             yield self.cylinder(pivot, height, radius, THICKNESS * w)
-            if len(nodes) == 1:  # so that its turning is seen
+            if len(nodes) == 1:  # so that its rotation is visible
                 yield self.cylinder(pivot + 0.7 * radius * self.down, height, 0.14 * radius, EYE_LENGTH * w, steel=True)
         elif link in self.layout.cranks and not guides and len(nodes) == 2:
             yield self._web(link, pivot, reach, nodes)
@@ -164,20 +164,20 @@ class PlanarLinks:
                 yield self._bar(a, b, height, w)
         for node in nodes:
             if self._near(node, guides) and not self._near(node, others):
-                continue  # the bar goes on there, nothing turns
+                continue  # the bar continues at a weld, so it has no eye there
             yield self.cylinder(node, height, EYE * w, EYE_LENGTH * w)
 
     def _near(self, node: Array, points: list[Array]) -> bool:
         return any(np.linalg.norm(node - point) < 1e-3 * self.width for point in points)
 
     def _pivot(self, link: str) -> Array:
-        """The place about which a link turns on its parent, else its first place."""
+        """The place about which a link turns on its parent; without such a place, its first place."""
         ends = self.layout.ends(link)
         at = next((b.points[1] for b, side in ends if side == 1 and b.kind == "pin"), None)
         return self._nodes[link][0] if at is None else self.layout.flat(at)
 
     def _web(self, link: str, pivot: Array, reach: float, nodes: Array) -> MadeUpSolid:
-        """A crank: a disc about its shaft if its inertia is that of a disc which holds the crank pin, else a web."""
+        """A crank: a disc about its shaft, if a disc that contains the crank pin has the same inertia; otherwise a web."""
         w, height, body = self.width, self._middle(link), self.layout.masses.get(link)
         if body is not None:
             away = self.layout.flat(body.centre) - pivot
@@ -188,7 +188,7 @@ class PlanarLinks:
         return self._plate(nodes, np.where(near, 1.2, WEB_END) * w, height)
 
     def _plate(self, nodes: Array, radii: Array, height: float) -> MadeUpSolid:
-        """The plate about circles in the plane."""
+        """The convex plate around circles in the plane."""
         middle = nodes.mean(axis=0)
         along = nodes[np.argmax(np.linalg.norm(nodes - nodes[0], axis=1))] - nodes[0]
         along /= np.linalg.norm(along)
@@ -198,7 +198,7 @@ class PlanarLinks:
     # Slides and collars
 
     def _slide(self, link: str, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-        """A block that holds all bearings of the link, and a block of its mass on the side away from the linkage."""
+        """A block that contains all bearings of the link, and a block of its mass on the side away from the linkage."""
         (low, high), across = self._holding(link, guide)
         sideways = (across[0] + across[1]) / 2 * self.across(guide)
         heights = [self.height(bearing, side) for bearing, side in self.layout.ends(link)]
@@ -210,7 +210,7 @@ class PlanarLinks:
 
     def _block(self, link: str, guide: PlacedBearing) -> tuple[tuple[float, float, float], float] | None:
         """Size of the block of a slide's mass along the guide, across it and along the normal, and its place along the guide [m]; None if
-        the block that holds the bearings already has about this mass."""
+        the block with the bearings already has about this mass."""
         (low, high), across = self._holding(link, guide)
         heights = [self.height(bearing, side) for bearing, side in self.layout.ends(link)]
         wide, thick = float(np.ptp(across)), float(np.ptp(heights)) + THICKNESS * self.width
@@ -224,7 +224,7 @@ class PlanarLinks:
         return size, float(end + side * (size[0] / 2 - 0.3 * self.width))
 
     def away(self, link: str, guide: PlacedBearing) -> float:
-        """1 if the rest of the linkage is behind a guided link along its guide's axis, -1 if it is ahead."""
+        """1 if the rest of the linkage is behind a guided link along its guide's axis, -1 if it is in front."""
         joined = [b.points[side] for b, side in self.layout.ends(link) if b is not guide]
         pivots = [b.points[0] for b in self.layout.bearings if b.kind != "guide" and any(b.on_frame)]
         if pivots:
@@ -250,7 +250,7 @@ class PlanarLinks:
         return np.array(ends), np.array([min(across[0], middle - wide / 2), max(across[1], middle + wide / 2)])
 
     def _holding(self, link: str | None, guide: PlacedBearing) -> tuple[Array, Array]:
-        """(2,) ends along its guide of the block that holds all bearings of a link, and (2,) across it, from the guide's point [m]."""
+        """(2,) ends of the block that contains all bearings of a link along its guide, and (2,) across it, from the guide's point [m]."""
         nodes = [self.layout.flat(guide.points[1])]
         if link is not None:
             nodes += [
@@ -265,7 +265,7 @@ class PlanarLinks:
     # Counterweights and pins
 
     def _counterweights(self, link: str, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
-        """An added counterweight, and if the centre of mass is outside of the pins, the steel that puts it there."""
+        """An added counterweight; if the centre of mass is outside the pins, also a steel solid that explains this."""
         weights = [self.layout.added[link]] if link in self.layout.added else []
         mass = self.layout.masses.get(link)
         if mass is not None and self.guide(link) is None and link not in self._collars:
@@ -280,7 +280,7 @@ class PlanarLinks:
         pivot, centre = self._pivot(link), self.layout.flat(weight.centre)
         arm = float(np.linalg.norm(centre - pivot))
         shape, thickness = plane_counterweight(weight.mass, arm, self.width, link in self.layout.cranks)
-        height = self._middle(link) + ((THICKNESS - 0.06) * self.width - thickness) / 2  # nearly flush in front, as others pass there
+        height = self._middle(link) + ((THICKNESS - 0.06) * self.width - thickness) / 2  # nearly flush: links pass in front
         along = (centre - pivot) / arm if arm > 0 else self.down
         yield MadeUpSolid(shape, self._placed(pivot if isinstance(shape, Plate) else centre, along, height), darker=True)
         nearest = min(self._places(link), key=lambda place: float(np.linalg.norm(place - centre)))
@@ -306,7 +306,7 @@ class PlanarLinks:
         return np.asarray(np.outer(np.cos(angle), self.down) + np.outer(np.sin(angle), np.cross(self.normal, self.down)))
 
     def pins(self, link: str) -> Iterator[MadeUpSolid]:
-        """Pins that a link holds: those whose parent it is."""
+        """Pins of a link: those of which it is the parent."""
         for bearing, side in self.layout.ends(link):
             if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
                 heights = sorted((self.height(bearing, 0), self.height(bearing, 1)))

@@ -1,7 +1,7 @@
-"""Plain shapes of the frame of a planar linkage: a press's columns, beams, gibs, bed and bolster, or pedestals where nothing is guided.
+"""Plain shapes of the frame of a planar linkage: a press's columns, beams, gibs, bed and bolster, or pedestals if no link is guided.
 
-The frame stands behind all moving links, and so hides none. Its columns are parallel to the slide's guide, whichever way that points; a
-beam leads from them to each pivot. The bolster is where the slide presses, below the end of its travel.
+The frame is behind all moving links, so it hides none of them. Its columns are parallel to the slide's guide, in any direction of the
+guide; beams connect them to the pivots. The bolster is below the end of the slide's travel, where the slide presses.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from .bearing_layout import PlacedBearing
 from .planar_links import PlanarLinks
 from .solids import MadeUpSolid
 
-# In widths of a bar.
+# lengths in widths of a bar
 RAIL, RAIL_DEPTH = 0.7, 0.9  # width and depth of a gib
-BRACKET = 0.9  # length along a gib of what holds its ends
+BRACKET = 0.9  # length of the brackets at the ends of a gib, along the gib
 COLUMN, BEAM, DEPTH = 1.8, 1.4, 0.9  # widths in the plane, and depth along the normal
-SAME_BEAM = 1.2  # pivots whose distance along the guide is less have one beam
-BOLSTER, BED = 0.8, 2.2  # heights
-AROUND = 0.4  # how far the bolster stands out beyond the slide, and the bed before it
+SAME_BEAM = 1.2  # pivots with a smaller distance along the guide share a beam
+BOLSTER, BED = 0.8, 2.2  # heights of bolster and bed
+AROUND = 0.4  # overhang of the bolster beyond the slide, and of the bed beyond the bolster
 
 
 def frame_solids(links: PlanarLinks, frame: str) -> list[MadeUpSolid]:
-    """Solids of a link that is the frame or fixed to it, in world axes in the drawn pose, its pins among them."""
+    """Solids of a link that is the frame or fixed to it, in world axes in the drawn pose, with its pins."""
     return [*_Frame(links, frame).solids(), *links.pins(frame)]
 
 
 @dataclass(frozen=True)
 class _Span:
-    """Where a solid begins and ends along a direction [m]."""
+    """Both ends of a solid along a direction [m]."""
 
     low: float
     high: float
@@ -73,7 +73,7 @@ class _Frame:
     # Gibs
 
     def _gibs(self, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
-        """Rails on both sides of a guided link, over all its travel, and brackets that hold their ends."""
+        """Rails on both sides of a guided link over its whole travel, and brackets at their ends."""
         w, back, height = self.width, self.links.back, self.links.height(guide, 1)
         along = self._swept(guide)
         for place in self._sides(guide):
@@ -94,7 +94,7 @@ class _Frame:
         away = (RAIL / 2 + 0.1) * self.width
         return [guide.points[0] + (edge + side * away) * self.links.across(guide) for side, edge in zip((-1, 1), across, strict=True)]
 
-    # Columns, beams and bed of a press. Places in its plane are counted along `right` and along `up`, from bed to crown.
+    # Columns, beams and bed of a press. Places in its plane are measured along `right` and along `up`, from bed to crown.
 
     def _press(self, main: PlacedBearing) -> Iterator[MadeUpSolid]:
         w, back = self.width, self.links.back
@@ -121,12 +121,13 @@ class _Frame:
             yield from bed[1]
 
     def _along(self, guide: PlacedBearing, up: Array) -> _Span:
-        """Span that a guided link sweeps, counted upwards."""
+        """Span that a guided link sweeps, measured upwards."""
         swept, start, sense = self._swept(guide), float(guide.points[0] @ up), float(np.sign(guide.axis @ up))
         return _Span(*sorted((start + sense * swept.low, start + sense * swept.high)))
 
     def _beams(self, up: Array, right: Array, columns: _Span, high: float) -> Iterator[tuple[_Span, _Span]]:
-        """Spans along and across of the beams, which join the columns and reach all pivots. The highest beam is the crown."""
+        """Spans of the beams along and across the guide. The beams connect the columns and reach all pivots. The highest beam is the
+        crown."""
         w = self.width
         groups: list[list[tuple[float, float]]] = []
         for level, across in sorted((float(at @ up), float(at @ right)) for at in self.pivots):
@@ -142,7 +143,7 @@ class _Frame:
             yield along, _Span(min([columns.low, *places]) - COLUMN * w / 2, max([columns.high, *places]) + COLUMN * w / 2)
 
     def _bed(self, main: PlacedBearing, up: Array, right: Array, columns: _Span) -> tuple[float, list[MadeUpSolid]] | None:
-        """The bed's lowest place, the bolster and the bed; None where the slide presses towards the linkage, or a pivot is there."""
+        """The bed's lowest point, the bolster and the bed; None if the slide presses towards the linkage, or a pivot is in the way."""
         w, slide, upwards = self.width, main.links[1], self.layout.upwards
         if slide is None or slide != self.layout.slide or upwards is None or (up @ upwards < 0 and abs(upwards[2]) > 0.5):
             return None

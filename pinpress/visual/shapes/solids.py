@@ -1,9 +1,9 @@
-"""The solids that links are drawn with: boxes, cylinders, spheres, plates, and triangles read from the mesh files that a URDF names.
+"""The solids of drawn links: boxes, cylinders, spheres, plates, and triangles from the mesh files that a URDF names.
 
-Assimp, the library within Coal that reads mesh files, is not safe with every file. It follows references between files and between the
-parts of a file without end, and ends the process where they go too deep. It makes room for as many vertices as the largest index says, and
-takes quadratic time over many groups or the corners of one polygon. So a file is first checked and reduced to its triangles. Materials,
-controllers and animations are not shown, so that Assimp need not see them.
+Assimp, the library within Coal that reads mesh files, is not safe with every file. It follows references between files, and between the
+parts of a file, without a limit, and crashes the process if they are too deep. It allocates vertices up to the largest index in the file.
+Its run time is quadratic in the number of groups and in the corners of a polygon. So a file is first checked and reduced to its triangles.
+Materials, controllers and animations are not shown, so Assimp does not get them.
 """
 
 import itertools
@@ -32,11 +32,11 @@ MOST_CORNERS = 1000  # corners of one polygon
 MOST_NODES = 10_000  # nodes of a COLLADA scene, every instance counted
 DEEPEST_NODES = 200
 
-CORNERS = 48  # of the outline of a rounded plate
+CORNERS = 48  # corners of the outline of a rounded plate
 
-_LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # lines of a Wavefront file that make triangles
+_LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # lines of a Wavefront file that define triangles
 _INDICES = re.compile(rb"<(?:p|v|vcount)\b[^>]*>([^<]*)<|(?:count|offset|stride)\s*=\s*[\"']([^\"']*)")
-_SHOWN = ("asset", "library_geometries", "library_nodes", "library_visual_scenes", "scene")  # libraries of a COLLADA file that are read
+_SHOWN = ("asset", "library_geometries", "library_nodes", "library_visual_scenes", "scene")  # the elements of a COLLADA file that are read
 _FACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 
 
@@ -110,11 +110,11 @@ class Plate:
     def area(self) -> tuple[float, Array]:
         """Area [m2] and its centre (2,) [m]."""
         corners, following = self.outline, np.roll(self.outline, -1, axis=0)
-        twice = corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]  # of the triangles with the origin
+        twice = corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]  # twice the areas of the triangles with the origin
         return float(twice.sum() / 2), np.asarray(twice @ (corners + following) / (3 * twice.sum()))
 
     def mesh(self) -> TriangleMesh:
-        """Its triangles: those of both faces are fans."""
+        """The triangles of the plate; both faces are triangle fans."""
         n = len(self.outline)
         vertices = np.vstack([np.column_stack([self.outline, np.full(n, z * self.thickness)]) for z in (-0.5, 0.5)])
         k = np.arange(n)
@@ -124,7 +124,7 @@ class Plate:
         return TriangleMesh(read_only(vertices), read_only(np.vstack([sides, fan[:, ::-1], fan + n]).astype(np.int64)))
 
     def strips(self) -> list[tuple[Box, Array]]:
-        """Twelve boxes along x, side by side, that fill the outline, each with its centre (2,) [m]: for formats without plates."""
+        """Twelve boxes side by side along x that fill the outline, each with its centre (2,) [m], for formats without plates."""
         (x1, y1), (x2, y2) = self.outline.T, np.roll(self.outline, -1, axis=0).T
         edges = np.linspace(y1.min(), y1.max(), 13)
         boxes = []
@@ -137,12 +137,12 @@ class Plate:
 
 
 def rounded_plate(centres: Array, radii: Array, thickness: float) -> Plate:
-    """The convex plate about circles.
+    """The convex plate around circles.
 
     Args:
-        centres: (k, 2) [m].
-        radii: (k,) [m].
-        thickness: of the plate [m].
+        centres: (k, 2) centres of the circles [m].
+        radii: (k,) radii of the circles [m].
+        thickness: thickness of the plate [m].
     """
     angle = 2 * np.pi * np.arange(CORNERS) / CORNERS
     outwards = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -160,7 +160,7 @@ Shape = Box | Cylinder | Sphere | Plate | TriangleMesh
 
 
 def corners(shape: Shape) -> Array:
-    """(8, 3) corners of the box about a solid along its own axes [m]."""
+    """(8, 3) corners of the bounding box of a solid along its own axes [m]."""
     if isinstance(shape, Plate | TriangleMesh):
         vertices = (shape.mesh() if isinstance(shape, Plate) else shape).vertices
         low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -187,16 +187,16 @@ def volume_and_centre(shape: Shape) -> tuple[float, Array]:
         area, centre = shape.area
         return area * shape.thickness, np.array([*centre, 0.0])
     a, b, c = shape.vertices[shape.faces].transpose(1, 0, 2)
-    six = np.sum(a * np.cross(b, c), axis=1)  # volumes of the tetrahedra with the origin, six times
+    six = np.sum(a * np.cross(b, c), axis=1)  # six times the volumes of the tetrahedra with the origin
     total = float(six.sum())
-    if not total > 0:  # not closed
+    if not total > 0:  # the mesh is not closed
         return 0.0, shape.vertices.mean(axis=0)
     return total / 6, six @ (a + b + c) / (4 * total)
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A solid on a link, in a colour. Arrays are read-only.
+    """A solid of a link with its colour. Arrays are read-only.
 
     Attributes:
         shape: shape of the solid.
@@ -216,7 +216,7 @@ def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Par
 
 @dataclass(frozen=True, eq=False)
 class MadeUpSolid:
-    """A solid of a link that is made up, in world axes in the drawn pose.
+    """A made-up solid of a link, in world axes in the drawn pose.
 
     Attributes:
         shape: shape of the solid.
@@ -246,7 +246,7 @@ def standing(shape: Shape, centre: Array, along: Array | None = None, *, steel: 
 def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> TriangleMesh:
     """Read a mesh.
 
-    A package is searched in ROS_PACKAGE_PATH, among the folders that contain the URDF, and next to these.
+    A package is searched in ROS_PACKAGE_PATH, among the parent folders of the URDF, and in the folders next to them.
 
     Args:
         file: the URDF.
@@ -270,7 +270,7 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
     if not os.path.exists(path) or os.path.isdir(path):
         raise PinpressError(f"{place}: there is no file {os.fspath(path)!r}; correct the path, or put the mesh there")
     try:
-        content = files.read(path, 100_000_000)  # a mesh of this size takes half a gigabyte while it is read
+        content = files.read(path, 100_000_000)  # reading a mesh of this size takes half a gigabyte
     except (OSError, ValueError) as error:
         said = files.reason(error)
         raise PinpressError(f"{place} cannot be read: {said}; put a mesh file at {os.fspath(path)!r} that is readable") from error
@@ -280,14 +280,14 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
     except UnfitError as error:
         raise PinpressError(f"{place} {error}; give an intact file, {KINDS}") from error
     faces = np.array([[side[0], side[1], side[2]] for side in map(mesh.tri_indices, range(mesh.num_tris))], dtype=np.int64)
-    with np.errstate(all="ignore"):  # what is not finite is refused below
+    with np.errstate(all="ignore"):  # values that are not finite are refused below
         vertices = np.array(mesh.vertices(), dtype=float) * factors
     if len(faces) == 0 or faces.max() >= len(vertices):
         raise PinpressError(f"{place} has no triangles, or some without corners; give an intact file, {KINDS}")
     if not np.isfinite(vertices).all():
         raise PinpressError(f"{place} has a vertex that is not finite; repair the mesh, or give a smaller scale")
     if np.prod(np.sign(factors)) < 0:
-        faces = faces[:, ::-1].copy()  # a mirrored mesh would have its outside inside
+        faces = faces[:, ::-1].copy()  # a mirrored mesh would be inside out
     return TriangleMesh(read_only(vertices), read_only(faces))
 
 
@@ -299,13 +299,13 @@ def _loaded(kind: str, content: bytes) -> Any:
         file = Path(folder, f"mesh{kind}")
         file.write_bytes(content)
         try:
-            return coal.MeshLoader().load(os.fspath(file), np.ones(3))  # unscaled: here a scale of any size is safe
+            return coal.MeshLoader().load(os.fspath(file), np.ones(3))  # unscaled, because a scale of any size is safe in our own code
         except Exception as error:
             raise UnfitError("cannot be read as triangles") from error
 
 
 def _located(file: str, name: str) -> Path | None:
-    """Path of a mesh; None where its package is not found."""
+    """Path of a mesh; None if its package is not found."""
     folder = Path(file).resolve().parent
     if not name.startswith("package://"):
         return folder / re.sub("^file://", "", name)
@@ -324,18 +324,18 @@ def _located(file: str, name: str) -> Path | None:
 
 
 class UnfitError(Exception):
-    """A file is not of the kind that its name says, or too large."""
+    """A file does not have the format of its name, or is too large."""
 
 
 def triangles_only(suffix: str, content: bytes) -> bytes:
-    """Reduce the content of a mesh file to what makes triangles.
+    """Reduce the content of a mesh file to its triangles.
 
     Args:
         suffix: ".stl", ".obj" or ".dae".
         content: content of the file.
 
     Raises:
-        UnfitError: the content is of another kind, broken or too large.
+        UnfitError: the content has another format, is damaged or is too large.
     """
     readers = {".stl": _stl, ".obj": _wavefront, ".dae": _collada}
     if suffix not in readers:
@@ -387,7 +387,7 @@ def _collada(content: bytes) -> bytes:
 
 
 def _check_scene(root: Element, content: bytes) -> None:
-    """Refuse too many nodes, triangles or levels below the scenes, where every instance of a node or geometry counts."""
+    """Refuse too many nodes, triangles or levels below the scenes; every instance of a node or geometry counts."""
     nodes = [element for element in _elements(root) if element.tag in ("node", "visual_scene")]
     geometries = {element.get("id"): _triangles(element, content) for element in _elements(root) if element.tag == "geometry"}
     libraries = set(root.all("library_nodes"))
@@ -406,7 +406,7 @@ def _check_scene(root: Element, content: bytes) -> None:
     totals: dict[Element, tuple[int, int, int]] = {}
 
     def total(node: Element, above: int = 0) -> tuple[int, int, int]:
-        """Nodes, triangles and levels from a node down."""
+        """Number of nodes, triangles and levels from a node down."""
         if above >= DEEPEST_NODES:
             raise UnfitError(f"has nodes that refer to each other in a ring, or more than {DEEPEST_NODES} levels of them")
         if node not in totals:

@@ -16,12 +16,12 @@ from .ballast import EVERYWHERE, ball, besides, outside, slide_block
 from .bearing_layout import BearingLayout, PlacedBearing, tree
 from .solids import Box, Cylinder, MadeUpSolid, Sphere, rounded_plate, standing
 
-# In widths of a bar.
-ROD = 0.30  # radius
+# lengths in widths of a bar
+ROD = 0.30  # radius of a rod
 END = 0.5  # radius of a ball at the end of a rod
 SLEEVE, SLEEVE_LENGTH = 1.5, 2.4
 GUIDE = 0.38
-BOLSTER, AROUND = 1.2, 0.8  # height, and how far it stands out beyond the slide
+BOLSTER, AROUND = 1.2, 0.8  # height of the bolster, and its overhang beyond the slide
 
 
 def space_solids(layout: BearingLayout, link: str) -> list[MadeUpSolid]:
@@ -32,7 +32,7 @@ def space_solids(layout: BearingLayout, link: str) -> list[MadeUpSolid]:
     for bearing, side in ends:
         solids += _end(bearing, side, w)
     pin = next(((bearing, side) for bearing, side in ends if bearing.kind == "pin"), None)
-    if len(nodes) == 1 and link not in layout.on_frame and pin is not None:  # a disc of the link's inertia stands for it
+    if len(nodes) == 1 and link not in layout.on_frame and pin is not None:  # the link is shown as a disc of its inertia
         bearing, side = pin
         solids.append(_cylinder(bearing.points[side], bearing.axis, layout.disc_radius(link, bearing.axis, 1.4 * w), 0.5 * w))
     for bearing, side in ends:
@@ -53,7 +53,7 @@ def space_solids(layout: BearingLayout, link: str) -> list[MadeUpSolid]:
 
 
 def _body(layout: BearingLayout, link: str, nodes: Array) -> Iterator[MadeUpSolid]:
-    """A plate between three places that are not in a line, else rods."""
+    """A plate between three places that are not on a line; otherwise rods."""
     w = layout.width
     for a, b in tree(nodes):
         yield _cylinder((a + b) / 2, b - a, ROD * w, float(np.linalg.norm(b - a)))
@@ -70,7 +70,7 @@ def _body(layout: BearingLayout, link: str, nodes: Array) -> Iterator[MadeUpSoli
 
 
 def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
-    """Balls of steel: an added counterweight, and if the centre of mass is outside of the bearings, the weight that puts it there."""
+    """Balls of steel: an added counterweight, and if the centre of mass is outside the bearings, a weight that explains this."""
     w, mass = layout.width, layout.masses.get(link)
     weights = [layout.added[link]] if link in layout.added else []
     guided = any(bearing.kind == "guide" for bearing, _ in layout.ends(link))
@@ -85,7 +85,7 @@ def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[M
 
 
 def _lowest(layout: BearingLayout, guide: PlacedBearing) -> tuple[Array, float]:
-    """The direction away from the linkage along a guide, and how far the link on the guide reaches in it, from the guide's point [m]."""
+    """The direction along a guide away from the linkage, and the end of the guided link in this direction, from the guide's point [m]."""
     pivots = [bearing.points[0] for bearing in layout.bearings if bearing.kind != "guide" and any(bearing.on_frame)]
     ahead = float((guide.points[1] - np.mean(pivots, axis=0)) @ guide.axis) if pivots else 0.0
     if abs(ahead) < layout.width and layout.upwards is not None:
@@ -97,7 +97,7 @@ def _lowest(layout: BearingLayout, guide: PlacedBearing) -> tuple[Array, float]:
 
 
 def _block_size(layout: BearingLayout, guide: PlacedBearing) -> tuple[float, float, float] | None:
-    """Height, width and depth of the block of a slide's mass; None for one not much heavier than its sleeve."""
+    """Height, width and depth of the block of a slide's mass; None if the slide is not much heavier than its sleeve."""
     w, body = layout.width, layout.masses.get(guide.links[1] or "")
     sleeve = SLEEVE**2 * SLEEVE_LENGTH * w**3
     if body is None or body.mass < 1.5 * STEEL * sleeve:
@@ -114,7 +114,7 @@ def _bolster(layout: BearingLayout, guide: PlacedBearing, block: tuple[float, fl
     away, reach = _lowest(layout, guide)
     travel = max(float(at * guide.axis @ away) for at in guide.travel)
     stroke = guide.travel[1] - guide.travel[0]
-    table = guide.points[0] + (reach + high + travel + 0.5 * w + 0.12 * stroke) * away  # below the slide's lowest place
+    table = guide.points[0] + (reach + high + travel + 0.5 * w + 0.12 * stroke) * away  # below the slide's lowest position
     end = guide.points[0] + travel * away
     yield _cylinder((table + end) / 2, away, GUIDE * w, float(np.linalg.norm(table - end)))
     yield standing(Box((wide + 2 * AROUND * w, deep + 2 * AROUND * w, BOLSTER * w)), table + BOLSTER * w / 2 * away, guide.axis)
@@ -124,7 +124,7 @@ def _end(bearing: PlacedBearing, side: int, w: float) -> Iterator[MadeUpSolid]:
     """The solid of a link at a bearing."""
     point, axis = bearing.points[side], bearing.axis
     if bearing.kind == "pin":
-        radius, length = ((0.62, 1.7), (0.80, 1.1))[side]  # the outer bush is shorter, so that both are seen, and the pin too
+        radius, length = ((0.62, 1.7), (0.80, 1.1))[side]  # the outer bush is shorter, so that both bushes and the pin are visible
         yield _cylinder(point, axis, radius * w, length * w)
     elif bearing.kind == "ball":
         yield standing(Sphere((0.95, 0.72)[side] * w), point)

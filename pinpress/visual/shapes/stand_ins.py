@@ -1,6 +1,7 @@
 """Plain shapes for links without visuals, made up from their bearings and masses.
 
-A planar linkage has bars, plates and blocks in layers before a press's frame, one in space rods and plates between bushes and balls.
+A planar linkage has bars, plates and blocks in layers in front of a press's frame. A linkage in space has rods and plates between bushes
+and balls.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ from .space_links import space_solids
 Colour = tuple[float, float, float]
 
 FRAME: Colour = (0.44, 0.48, 0.53)
-STEEL: Colour = (0.90, 0.91, 0.92)  # of pins
-COLOURS: tuple[Colour, ...] = (  # of links, in document order; the colour-blind can tell them apart too
+STEEL: Colour = (0.90, 0.91, 0.92)  # colour of pins
+COLOURS: tuple[Colour, ...] = (  # of links, in document order; distinguishable for colour-blind readers too
     (0.76, 0.24, 0.08),
     (0.08, 0.33, 0.79),
     (0.11, 0.62, 0.41),
@@ -44,8 +45,8 @@ class ShaftFlywheel:
 
     Attributes:
         driver: name of the driver.
-        inertia: its moment of inertia [kg m2].
-        coupled: whether it turns as the driver does; behind a clutch it need not.
+        inertia: moment of inertia of the flywheel [kg m2].
+        coupled: whether it always turns with the driver; with a clutch in between it may not.
     """
 
     driver: str
@@ -56,10 +57,10 @@ class ShaftFlywheel:
 def made_up_parts(
     press: Linkage, travel: Array, drawn: Mapping[str, tuple[Part, ...]], flywheels: Sequence[ShaftFlywheel]
 ) -> tuple[dict[str, tuple[Part, ...]], list[tuple[Part, ...]]]:
-    """Parts of links by their names, and those of flywheels in the frames of the links that they drive.
+    """Name of a link -> its parts; and the parts of flywheels, in the frames of the links that they drive.
 
-    Links without visuals have plain shapes, none where they have no bearing of their own. Links with visuals have the counterweights that
-    were added to them, see `linkage.writing`.
+    Links without visuals have plain shapes, or no shapes if they have no bearing. Links with visuals have the counterweights that were
+    added to them, see `linkage.writing`.
 
     Args:
         press: the linkage.
@@ -88,7 +89,7 @@ def made_up_parts(
     for each in flywheels:
         at, radius = layout.bearings[press.joints.index(each.driver)].points[1], flywheel_disc(each.inertia, layout.size).radius
         before = [corner for other, its, corner in placed if np.linalg.norm(layout.flat(other - at)) < radius + its]
-        wheel = _flywheel(press, layout, each, np.vstack([points, *before]))  # behind other wheels that it would cut
+        wheel = _flywheel(press, layout, each, np.vstack([points, *before]))  # behind other wheels that it would intersect
         placed.append((at, radius, (wheel[0].placement @ _homogeneous(corners(wheel[0].shape)))[:3].T))
         wheels.append(_in_frame(layout.placements[_driven_link(press, each.driver)], wheel, FRAME))
     return parts, wheels
@@ -117,7 +118,7 @@ def _colours() -> Iterator[Colour]:
 def _weights_on_drawn(
     press: Linkage, layout: BearingLayout, drawn: Collection[str], added: Mapping[int, AddedBallast]
 ) -> dict[str, list[MadeUpSolid]]:
-    """Counterweights that were added to links with visuals; of links that are welded together the first has them."""
+    """Counterweights that were added to links with visuals; for links that are welded together, the first link has them."""
     weights = {}
     for joint, weight in added.items():
         frames = [f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == joint and f.name in drawn]
@@ -129,7 +130,7 @@ def _weights_on_drawn(
 
 
 def _weight(layout: BearingLayout, mass: float, centre: Array, pivot: Array, turns: bool) -> MadeUpSolid:
-    """A counterweight where it is."""
+    """A counterweight at its true place."""
     if layout.normal is None:
         return standing(ball(mass), centre, darker=True)
     away = layout.flat(centre - pivot)
@@ -149,7 +150,7 @@ def _driven_link(press: Linkage, driver: str) -> str:
 
 
 def _flywheel(press: Linkage, layout: BearingLayout, flywheel: ShaftFlywheel, shown: Array) -> list[MadeUpSolid]:
-    """A flywheel behind all that is shown (n, 3) of a planar linkage; in space behind the crank's bearing."""
+    """A flywheel: behind all shown points (n, 3) of a planar linkage; in space, behind the crank's bearing."""
     bearing = layout.bearings[press.joints.index(flywheel.driver)]
     at, w, disc = bearing.points[1], layout.width, flywheel_disc(flywheel.inertia, layout.size)
     if layout.normal is None:
@@ -163,7 +164,7 @@ def _flywheel(press: Linkage, layout: BearingLayout, flywheel: ShaftFlywheel, sh
     centre = behind - (0.4 * w + disc.length / 2) * towards
     wheel, shaft = standing(disc, centre, towards), centre - at
     solids = [wheel, standing(Cylinder(0.4 * w, float(np.linalg.norm(shaft))), at + shaft / 2, towards, steel=True)]
-    for angle in np.linspace(0.0, 2 * np.pi, 5, endpoint=False) if flywheel.coupled else ():  # recesses, by which its turning is seen
+    for angle in np.linspace(0.0, 2 * np.pi, 5, endpoint=False) if flywheel.coupled else ():  # recesses, which make its rotation visible
         place = 0.62 * disc.radius * np.array([np.cos(angle), np.sin(angle)])
         recess = Cylinder(0.16 * disc.radius, 1.02 * disc.length)
         solids.append(standing(recess, centre + wheel.placement[:3, :2] @ place, towards, darker=True))
