@@ -50,7 +50,8 @@ def test_a_map_has_the_singular_poses_over_its_colours():
     assert len(reach.dead_points) >= 5
     assert np.column_stack(points.get_data()) == pytest.approx(np.degrees(reach.dead_points))
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("hip [deg]", "crank [deg]")
-    values = np.asarray(axes.collections[0].get_array()).reshape(5, 5)  # type: ignore[union-attr]
+    mesh: Any = axes.collections[0]
+    values = np.asarray(mesh.get_array()).reshape(5, 5)
     assert values == pytest.approx(reach.frame_margin.T)
 
 
