@@ -63,6 +63,17 @@ def test_a_line_of_the_hand_is_followed():
     assert np.abs(np.diff(found, axis=0)).max() < 0.1
 
 
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of a base that is held
+def test_a_floating_base_rests():
+    """The motors of an arm on a floating base are those of the arm on the ground."""
+    held, floating = (pp.load(FOLDER / "18_floating_base.urdf", base=base) for base in ("fixed", "floating"))
+    positions = reachable(held, 0.4, 5)
+    places = held.placements("rod_a", positions)
+    found = pp.inverse_kinematics(floating, "rod_a", places)
+    np.testing.assert_allclose(found, positions, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(pp.servo_cycle(floating, found, speed=0.0).crank_angle[:, :2], positions, rtol=0, atol=1e-8)
+
+
 def test_what_is_out_of_reach_is_named_with_its_distance():
     press = pp.load(FIVE_BAR)
     centre = press.placements("crank_a", [0.0, 0.0])[:3, 3]

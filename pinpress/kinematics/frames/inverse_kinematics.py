@@ -32,7 +32,8 @@ def inverse_kinematics(press: Linkage, frame: str, places: ArrayLike) -> Array:
 
     The first place is reached from the linkage's home pose, each other one from the place before, so that the path stays in one assembly.
     What is found leads there: `servo_cycle` with these positions brings the frame to the places. Where there are more drivers than the
-    places determine, joints move as little as possible from place to place. All joints stay within their limits.
+    places determine, joints move as little as possible from place to place. All joints stay within their limits. Passive coordinates
+    (`Linkage.passive`), such as those of a floating base, rest where the linkage was put together, as in `servo_cycle`.
 
     Args:
         press: the linkage.
@@ -41,7 +42,7 @@ def inverse_kinematics(press: Linkage, frame: str, places: ArrayLike) -> Array:
             of `Linkage.placements`.
 
     Returns:
-        (n, drivers) positions of the drivers [rad or m]; (n,) where there is one driver.
+        (n, motors) positions of the motors [rad or m], which are all drivers but passive ones; (n,) where the linkage has one driver.
 
     Raises:
         UnknownNameError: no link of this name.
@@ -60,7 +61,7 @@ def inverse_kinematics(press: Linkage, frame: str, places: ArrayLike) -> Array:
     positions = np.array(found).reshape(len(targets.point), len(press.drivers))
     if found:
         _refuse_other_assembly(press, frame, reaching, targets, positions)
-    return positions if len(press.drivers) > 1 else positions[:, 0]
+    return positions[:, : len(press.motors)] if len(press.drivers) > 1 else positions[:, 0]
 
 
 class _Targets(NamedTuple):
@@ -95,6 +96,9 @@ class _Reaching(Mounting):
         self.press, self.frame, self.oriented = press, frame, oriented
         self.in_joint = pin.SE3(frame.rotation, frame.point)
         self.target, self.weight = pin.SE3.Identity(), 1.0
+        self.resting = press.driver_indices[len(press.motors) :]
+        self.moving = np.ones(len(self.lengths))
+        self.moving[list(self.resting)] = 0.0
         self.exact = max(EXACT, press.structure.tolerance / press.size)
 
     def equations(self, x: Array) -> tuple[Array, Array]:
@@ -116,7 +120,7 @@ class _Reaching(Mounting):
     def reach(self, x: Array, target: pin.SE3) -> Mounted:
         """The pose that is found from joint coordinates (nv,)."""
         self.target = target
-        return self.close(x)
+        return self.close(x, self.resting)
 
     def find(self, x: Array, target: pin.SE3) -> Array | None:
         """Joint coordinates (nv,) with the frame in the target, to which a way leads from these; None where none is found."""
@@ -124,7 +128,7 @@ class _Reaching(Mounting):
             return reached
         random = np.random.default_rng(0)
         for spread in np.linspace(0.1, 1.0, STARTS):  # from elsewhere: steps may have ended at the limit of a joint
-            mounted = self.reach(x + spread * self.lengths * random.normal(size=len(x)), target)
+            mounted = self.reach(x + spread * self.moving * self.lengths * random.normal(size=len(x)), target)
             if mounted.misfit <= self.exact and (led := self.led(x, mounted.position, target)) is not None:
                 return led
         return None
@@ -183,7 +187,7 @@ def _why(reaching: _Reaching, x: Array, target: pin.SE3, index: int) -> str:
             " linkage locks on it, or comes to another assembly; give places in between that lead round"
         )
     reaching.weight = 1e-3  # loops first
-    near = Mounting(reaching.structure).close(reaching.reach(x, target).position).position
+    near = Mounting(reaching.structure).close(reaching.reach(x, target).position, reaching.resting).position
     distance, angle = reaching.errors(reaching.at(near), target)
     turned = f" and {np.degrees(angle):.3g} deg" if reaching.oriented else ""
     return (

@@ -38,13 +38,13 @@ class ReachMap(Tabular):
         place: (a, b, 3) of the frame's origin in world axes [m]; NaN where it is not reached, as the other values.
         loop_margin: (a, b) least singular value of the passive joints' columns in the equations of the loops, scaled to unit length [-].
             At zero the drivers do not determine the linkage: it locks, or two assemblies meet.
-        frame_margin: (a, b) least singular value of the frame's Jacobian by all drivers, but those that are zero everywhere: a way [lengths
-            of the linkage] or an angle [rad], by an angle [rad] or a way [lengths of the linkage] of the drivers [-]. At zero the frame
+        frame_margin: (a, b) least singular value of the frame's Jacobian by all motors, but those that are zero everywhere: a way [lengths
+            of the linkage] or an angle [rad], by an angle [rad] or a way [lengths of the linkage] of the motors [-]. At zero the frame
             cannot be moved one way, and holds any force that way.
         locks: (k, 2) positions of the two drivers at which the linkage locks, on the lines of the grid, to about 1e-3 of their distance
             [rad or m].
         dead_points: (m, 2) positions of the two drivers at which ``frame_margin`` is zero, on the lines of the grid, where the frame has as
-            many freedoms as there are drivers; else none are looked for [rad or m].
+            many freedoms as there are motors; else none are looked for [rad or m].
     """
 
     linkage: str
@@ -92,12 +92,12 @@ def workspace(
     they are at home.
 
     Args:
-        press: a linkage with two drivers or more.
+        press: a linkage with two motors or more.
         frame: name of a link, as of `Linkage.placements`.
         ranges: names of two drivers -> their ends [rad or m].
         points: number of nodes along each, at least 3.
         oriented: whether the frame's Jacobian has rows of its orientation next to those of its position; None: where there are more than
-            three drivers.
+            three motors.
 
     Raises:
         UnknownNameError: no link, or no driver of this name.
@@ -106,10 +106,10 @@ def workspace(
     """
     named, count = press.frame_named(frame), whole_number("points", points, 3, 1000)
     for name in ranges:
-        if name not in press.drivers:
-            raise UnknownNameError("driver", name, press.drivers)
-    if len(ranges) != 2 or len(press.drivers) < 2:
-        raise PinpressError(f"ranges is {shown(dict(ranges))}: give two of the drivers {', '.join(press.drivers)} with their ends")
+        if name not in press.motors:
+            raise UnknownNameError("driver", name, press.motors)
+    if len(ranges) != 2:
+        raise PinpressError(f"ranges is {shown(dict(ranges))}: give two of the drivers {', '.join(press.motors)} with their ends")
     columns = [press.drivers.index(name) for name in ranges]
     lines = [_nodes(name, ends, count) for name, ends in ranges.items()]
     home = press.closed[list(press.driver_indices)]
@@ -122,9 +122,10 @@ def workspace(
     moving = moving_frame(press.loops_in_space, x, named, with_margins=True)
     place[flooded.reached] = placed_frame(press.loops_in_space, named, x)[:, :3, 3]
     loop_margin[flooded.reached] = moving.margins
-    full = len(press.drivers) > 3 if oriented is None else oriented
-    lengths = np.array([1.0 if each.turns else press.size for each in press.driver_coordinates])
-    scaled = moving.columns.transpose(2, 0, 1)[:, : 6 if full else 3] * lengths
+    motors = len(press.motors)
+    full = motors > 3 if oriented is None else oriented
+    lengths = np.array([1.0 if each.turns else press.size for each in press.driver_coordinates[:motors]])
+    scaled = moving.columns.transpose(2, 0, 1)[:, : 6 if full else 3, :motors] * lengths
     scaled[:, :3] /= press.size
     values, signs = _least_singular_values(scaled)
     frame_margin[flooded.reached] = values
