@@ -62,7 +62,6 @@ AT_PIN = f'xyz="{PIN[0]!r} 0 {PIN[1]!r}"'
 
 # Text, then the problem of the first error, which is a UrdfError of the linkage as a whole. Of one that stays, all who are to blame.
 MOBILITIES = [
-    (changed((TRANSMISSION, "")), "no driver"),
     # too many degrees of freedom
     (
         changed((f"{OPENING_W}{ROD_END}{SLIDE_END}</loop_joint>", "")),

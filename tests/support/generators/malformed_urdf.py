@@ -213,7 +213,8 @@ ELEMENTS = [
     # joints
     (edited((' type="continuous"', "")), '<joint name="O">', LINE_O, "has no type"),
     (edited(('"continuous"', '"planar"')), '<joint name="O">', LINE_O, "joint type 'planar' is not supported"),
-    (edited(('"continuous"', '"floating"')), '<joint name="O">', LINE_O, "joint type 'floating' is not supported"),
+    # its six joints have other names
+    (edited(('"continuous"', '"floating"')), '<joint name="O"> of <transmission name="drive">', 26, "no joint 'O', did you mean 'O_x'"),
     (edited(('"continuous"', '"continous"')), '<joint name="O">', LINE_O, "unknown joint type 'continous', did you mean 'continuous'?"),
     # gear pairs
     (in_joint("P", "<mimic/>"), of("mimic", JOINT_P), 20, "has no joint"),
