@@ -179,9 +179,9 @@ def permissible_breakthrough(
     try:
         arrays = np.broadcast_arrays(*(np.atleast_1d(numbers(name, values)) for name, values in asked.items()))
     except ValueError:
-        raise PinpressError("reverse_force, stiffness and mass are not numbers of one length: give (n,) or one number each") from None
+        raise PinpressError("reverse_force, stiffness and mass are not numbers of one length: give arrays (n,) or single numbers") from None
     if arrays[0].ndim != 1:
-        raise PinpressError(f"reverse_force, stiffness and mass have shape {arrays[0].shape} together: give (n,) or one number each")
+        raise PinpressError(f"reverse_force, stiffness and mass have shape {arrays[0].shape} together: give arrays (n,) or single numbers")
     shared = {"damping_ratio": damping_ratio, "break_time": break_time, "clearance": clearance}
     more = [number(name, value) for name, value in shared.items()]
     forces = np.array([_permissible(float(r), float(k), float(m), *more) for r, k, m in zip(*arrays, strict=True)])
@@ -379,13 +379,15 @@ def _release(force: float, stiffness: float, mass: float, damping_ratio: float, 
     sizes = positive("force", force, "N"), positive("stiffness", stiffness, "N/m"), positive("mass", mass, "kg")
     zeta, tau, gap = number("damping_ratio", damping_ratio), number("break_time", break_time), number("clearance", clearance)
     if not 0.0 <= zeta < 1.0:
-        raise PinpressError(f"damping_ratio is {zeta:g}: give one from 0 to below 1; structures have 0.01 to 0.1")
+        raise PinpressError(f"damping_ratio is {zeta:g}: give a ratio from 0 to below 1; structures have 0.01 to 0.1")
     for name, value in (("break_time", tau), ("clearance", gap)):
         if value < 0.0:
             raise PinpressError(f"{name} is {value:g}: it cannot be negative")
     release = Release(*sizes, zeta, tau, gap)
     if tau * release.frequency > 2 * np.pi * LONGEST:
-        raise PinpressError(f"break_time is {tau:g} s, more than 1000 periods of the press: nothing snaps through; give a shorter one")
+        raise PinpressError(
+            f"break_time is {tau:g} s, more than 1000 periods of the press: so slow that there is no snap-through; give a shorter time"
+        )
     plausibility.release(*sizes, tau, gap)
     return release
 

@@ -279,7 +279,9 @@ def _checked(press: Linkage, surfaces: Sequence[GuideSurface]) -> Array:
         raise PinpressError(f"surfaces is {shown(surfaces)}: give a list of GuideSurface, such as eight_way_guide(...)")
     names = [surface.name for surface in surfaces]
     if len(set(names)) < len(names):
-        raise PinpressError(f"several surfaces are named {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each its own")
+        raise PinpressError(
+            f"several surfaces are named {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each surface a different name"
+        )
     for surface in surfaces:
         normal = np.array(surface.normal) / np.linalg.norm(surface.normal)
         if abs(normal @ axis) > ACROSS:

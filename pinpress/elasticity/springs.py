@@ -85,7 +85,7 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: the press has no slide, several drivers and a shaft that yields, there is no spring or one that is not positive, or
+        PinpressError: the press has no slide, several drivers and an elastic shaft, no spring, or a stiffness that is not positive, or
             a rod or guide is not as described.
     """
     if not isinstance(press, Linkage):
@@ -107,7 +107,7 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
         springs.append(Spring(FRAME, compliance, "frame", forces, joint=_joint(stiffness.frame)))
     doubt_stiffness(press, stiffness)
     if not springs:
-        raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
+        raise PinpressError(f"no part of {press.name} is elastic: give Stiffness the stiffness of at least one part")
     names = [part.name for part in springs]
     if len(set(names)) < len(names):
         raise PinpressError(f"several parts are named {', '.join(sorted({n for n in names if names.count(n) > 1}))}: give each once")
@@ -193,7 +193,7 @@ def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
     """The rotational spring of a guide, against rotation of the slide."""
     guide = bearing_number(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
-        raise PinpressError(f"moments names {shown(name)}, which is no guide and carries no moment in the plane: leave it out")
+        raise PinpressError(f"moments names {shown(name)}, which is not a guide and carries no moment in the plane: leave it out")
     compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad", STIFFEST)
     return Spring(f"{name} turning", compliance, "moment", ((guide, 1.0),))
 

@@ -87,7 +87,7 @@ def _spread_mass(link: str, mass: float, centre: float, inertia: float, length: 
     if not (masses > 0).all():
         raise PinpressError(
             f"beam {shown(link)}: its mass of {mass:.4g} kg, centre of mass at {centre / length:.3g} of its length and moment of inertia of"
-            f" {inertia / (mass * length**2):.3g} m l2 are not those of a beam, which has 0.083 m l2 where it is even; give matrices for it"
+            f" {inertia / (mass * length**2):.3g} m l2 are not those of a beam, e.g. 0.083 m l2 for a uniform beam; give matrices for it"
         )
     return np.asarray(masses)
 

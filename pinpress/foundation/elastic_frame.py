@@ -135,7 +135,7 @@ class ElasticFrame(Tabular):
         nearest = int(away.argmin())
         if away[nearest] > AT * size_of(self.places):
             raise PinpressError(
-                f"no node of the frame is at {_text(point)} m: the nearest is at {_text(self.places[nearest])} m; give that, or"
+                f"no node of the frame is at {_text(point)} m: the nearest is at {_text(self.places[nearest])} m; give this place, or"
                 " (interface, place) for a place that moves with an interface"
             )
         return np.asarray(self.shapes[nearest])
@@ -201,7 +201,7 @@ def reduced_frame(
         raise PinpressError(f"loss_factor is {loss:g}: give a number that is not negative; welded steel has 0.002 to 0.02")
     joined = np.zeros((0, 2)) if lines is None else numbers(f"{what}: lines", lines, (None, 2))
     if not np.isin(joined, np.arange(len(places))).all():
-        raise PinpressError(f"{what}: lines join nodes by their numbers, from 0 to {len(places) - 1}: give two of these each")
+        raise PinpressError(f"{what}: lines join nodes by their numbers, from 0 to {len(places) - 1}: give two node numbers for each line")
     # no frame is this large: its places are probably in mm
     if size_of(places) > 50.0:
         caution(f"{what}: its nodes are up to {size_of(places):.4g} m apart: if mm are meant, give all in m, kg and N")

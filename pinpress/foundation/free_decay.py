@@ -41,7 +41,7 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
     """
     values = finite_numbers(signal)
     if values is None or values.ndim != 1:
-        raise PinpressError("signal is no array (n,) of finite numbers: give one component of a vibration")
+        raise PinpressError("signal is not an array (n,) of finite numbers: give one component of a vibration")
     if len(values) < 8 or not np.ptp(values):
         raise PinpressError(f"signal of {len(values)} samples does not swing: give a vibration of two periods or more")
     swinging = values / np.abs(values).max()
@@ -57,7 +57,7 @@ def logarithmic_decrement(signal: Array, *, rate: float = 1.0, band: tuple[float
     if certainty < 5.0:
         raise PinpressError(
             f"no vibration that dies away stands out of the noise of the signal around its line {strongest}: give the time after a hit"
-            " alone, or the band of the vibration that is meant"
+            " alone, or give the band of the wanted vibration"
         )
     return float(2 * np.pi * decay / turn)
 

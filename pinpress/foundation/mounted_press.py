@@ -236,7 +236,7 @@ def mounted(
         uprights = listed_mounts(uprights, "uprights")
     if isinstance(frame, ElasticFrame):
         if crown is not None:
-            raise PinpressError("the frame bends, so that it has no crown= and uprights=: leave them out")
+            raise PinpressError("an elastic frame has no crown= and uprights=: leave them out")
         carried = tuple(press.bearings[k] for k in on_frame(press))
         for bearing in frame.bearings:
             if bearing not in carried:

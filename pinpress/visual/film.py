@@ -141,7 +141,7 @@ def film(
     program = _ffmpeg()
     with files.written(path, _suffix(path, ENCODING)) as part, opened(page, size) as screen:
         if not screen.duration > 0:
-            raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
+            raise PinpressError("the recording is of one instant; there is nothing to film: make an image instead")
         slower = slow_enough(screen.duration) if slowdown is None else float(slowdown)
         frames = screen.duration * times * slower * rate  # rounded: the end of the recording may be off by half a frame
         if not 0.5 < frames <= MOST_FRAMES:

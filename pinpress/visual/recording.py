@@ -296,7 +296,7 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
         )
     if first.turns and steps.max(initial=0.0) > FARTHEST:
         raise PinpressError(
-            f"the crank turns {np.degrees(steps.max()):.0f} deg from one state to the next, too far to show what is between:"
+            f"the crank turns {np.degrees(steps.max()):.0f} deg from one state to the next, too far to show the motion in between:"
             f" give a state every {np.degrees(FARTHEST):.0f} deg at least"
         )
     most = min(360 * max(1, np.ceil(turns - 1e-6)), MOST) + 1
@@ -377,7 +377,7 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
             f"the reactions are of another motion of {other.linkage}: give those that inverse_dynamics(press, motion) returns for this one"
         )
     if not is_same_press(its, press):
-        raise PinpressError(f"the reactions are of {its.name}, another press than {press.name}: give those of the same one")
+        raise PinpressError(f"the reactions are of {its.name}, another press than {press.name}: give reactions of the same press")
 
 
 def _short(values: Array) -> list[float]:

@@ -86,7 +86,7 @@ def record_modes(
         expect("modes", modes, ElasticModes, "natural_frequencies")
         other, title = modes._press, f"{press.name}: vibrations"
     if not is_same_press(other, press):
-        raise PinpressError(f"the modes are of {told_apart(other, press)}, and the press is {press.name}: give those of the same one")
+        raise PinpressError(f"the modes are of {told_apart(other, press)}, and the press is {press.name}: give modes of the same press")
     motion, films = on_springs(press, modes, most) if isinstance(modes, ElasticModes) else _on_mounts(press, modes, most)
     return write(path, page("recording.html", title, _content(press, motion, films), {"viewer": meshcat()}))
 

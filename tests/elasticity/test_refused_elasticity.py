@@ -118,11 +118,11 @@ REFUSALS = [
     (lambda: broken(break_time=100.0), "more than 1000 periods"),
     (lambda: permissible_breakthrough(0.0, 6e8, 2600.0), "reverse_force is 0"),
     (lambda: permissible_breakthrough([1e5, 2e5], [6e8, 6e8, 6e8], 2600.0), "of one length"),
-    (lambda: compliance(shipped("crank_slide"), Stiffness()), "no part of crank_slide yields"),
+    (lambda: compliance(shipped("crank_slide"), Stiffness()), "no part of crank_slide is elastic"),
     (lambda: compliance(shipped("crank_slide"), Stiffness({"Q": 1e9})), "no bearing 'Q'"),
     (lambda: compliance(shipped("crank_slide"), Stiffness({"O": -1e9})), "stiffness of bearing 'O' is -1000000000.0"),
     (lambda: compliance(shipped("crank_slide"), Stiffness({"O": True})), "stiffness of bearing 'O' is True"),
-    (lambda: compliance(shipped("crank_slide"), Stiffness(moments={"P": 1e9})), "'P', which is no guide"),
+    (lambda: compliance(shipped("crank_slide"), Stiffness(moments={"P": 1e9})), "'P', which is not a guide"),
     (lambda: compliance(shipped("crank_slide"), Stiffness(rods=1e9)), "rods is 1000000000.0: give a list of Rod"),
     (lambda: compliance(shipped("crank_slide"), Stiffness(rods=[Rod("bar", ("P", "W"), 1e9)])), "no moving link 'bar'"),
     (

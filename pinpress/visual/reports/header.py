@@ -57,7 +57,7 @@ class Header:
             if not isinstance(text, str):
                 raise PinpressError(f'Header: {name} is {shown(text)}: give a text, such as {name}="..."')
             if odd := odd_character(text, with_control=False):
-                raise PinpressError(f"Header: {name} has the character {odd}, which no page shows: leave it out")
+                raise PinpressError(f"Header: {name} has the character {odd}, which pages cannot show: leave it out")
         if self.language not in LANGUAGES:
             raise PinpressError(f"Header: language is {shown(self.language)}: write one of {', '.join(LANGUAGES)}")
         _ = self.picture

@@ -117,7 +117,7 @@ def _refuse_unseen(value: Any, what: str) -> None:
         for part in value:
             _refuse_unseen(part, what)
     elif isinstance(value, float | np.ndarray) and not (largest := float(np.abs(value).max(initial=0.0))) <= LARGEST:
-        raise PinpressError(f"{what} is {largest:g} large: a page shows numbers up to {LARGEST:.1g}; give smaller ones")
+        raise PinpressError(f"{what} is {largest:g}: a page shows numbers up to {LARGEST:.1g}; give smaller numbers")
 
 
 def hexadecimal(rgba: Array) -> str:

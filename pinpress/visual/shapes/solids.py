@@ -264,7 +264,7 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
     path = _located(file, name)
     if path is None:
         raise PinpressError(
-            f"{place} is in no package that is known; put the folder of the package, or the one it is in, into ROS_PACKAGE_PATH, or give"
+            f"{place} is in an unknown package; put the folder of the package, or the one it is in, into ROS_PACKAGE_PATH, or give"
             " the mesh's path relative to the URDF"
         )
     if not os.path.exists(path) or os.path.isdir(path):
@@ -379,7 +379,7 @@ def _collada(content: bytes) -> bytes:
     numbers = (number for match in _INDICES.finditer(content) for number in (match[1] or match[2] or b"").split())
     sound = all(re.fullmatch(rb"\d{1,12}", number) and int(number) <= len(content) for number in numbers)
     if root.tag != "COLLADA" or not root.children or not sound:
-        raise UnfitError("is not a COLLADA file, or one with a broken index")
+        raise UnfitError("is not a COLLADA file, or has a broken index")
     _check_scene(root, content)
     ends = [child.start for child in root.children[1:]] + [root.end]
     libraries = b"".join(content[child.start : end] for child, end in zip(root.children, ends, strict=True) if child.tag in _SHOWN)
