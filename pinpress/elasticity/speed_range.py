@@ -100,7 +100,7 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
 
     Args:
         press: a press with one driver that turns fully.
-        elastic: what yields, as for `simulate`.
+        elastic: the elastic parts, as for `simulate`.
         speeds: (s,) speeds of the crank, positive and rising [rad/s].
         orders: number of orders, 1 to 10 000.
         flywheel: as for `natural_frequencies`.
@@ -126,7 +126,7 @@ class ElasticSpeedResponse(OfPress, Tabular):
 
     Attributes:
         press_name: name of the press.
-        elastic: what yields.
+        elastic: the elastic parts.
         speed: (s,) speeds of the crank [rad/s].
         rigid_deepest: bottom dead centre of the rigid press [m].
         deepest: (s,) lowest position of the slide [m].
@@ -177,7 +177,7 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
 
     Args:
         press: a press with one driver that turns fully.
-        elastic: what yields, as for `simulate`.
+        elastic: the elastic parts, as for `simulate`.
         speeds: (s,) speeds of the crank, positive and rising [rad/s].
         loads: as in `simulate`; nothing in them may depend on time.
 

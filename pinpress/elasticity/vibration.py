@@ -47,7 +47,7 @@ class ElasticModes(OfPress, Tabular):
 
     Attributes:
         press_name: name of the press.
-        elastic: what yields.
+        elastic: the elastic parts.
         flywheel: flywheel on a crank that turns freely; None: the crank is held.
         crank_angle: (n,) crank angles [rad].
         natural_frequency: (n, m) undamped natural frequencies [rad/s].
@@ -107,7 +107,7 @@ def natural_frequencies(
 
     Args:
         press: a press with one driver that turns.
-        elastic: what yields, as for `simulate`.
+        elastic: the elastic parts, as for `simulate`.
         angle: (n,) crank angles [rad]; by default 360 per turn over one period, without its end.
         flywheel: flywheel on the driver's shaft of a crank that turns freely; None: the crank is held, or turns at a constant speed.
 

@@ -73,7 +73,7 @@ def _strongest(size: Array, count: int, rate: float, band: tuple[float, float] |
         if not within.any():
             raise PinpressError(f"band {shown(band)} holds no line of a signal of {count / rate:g} s: give a wider one, or a longer signal")
     strongest = int(np.where(within, size, 0.0).argmax())
-    # A vibration of less than two periods cannot be distinguished from a drift.
+    # a vibration of less than two periods cannot be distinguished from a drift
     if strongest < 2:
         raise PinpressError("signal is shorter than two periods of its strongest vibration: give two or more")
     return strongest

@@ -276,7 +276,7 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel | Mapping
     Raises:
         PinpressError: a flywheel has the inertias of several scenarios, its driver joint slides or is not on the frame, there are several
             drivers and none is named, or a clutch between flywheel and crank slips.
-        UnknownNameError: there is no driver of that name.
+        UnknownNameError: there is no driver with this name.
     """
     if isinstance(flywheel, Flywheel):
         press.refuse_several_drivers("flywheel names none of them; give flywheel={'" + press.drivers[0] + "': Flywheel(...)}")
@@ -396,7 +396,7 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     """
     if (enough := states_enough(harmonics, states, size_of_all)) > states:
         raise PinpressError(
-            f"{states} states do not resolve the shaking force, which changes too sharply, as where a blank breaks through: give some"
+            f"{states} states do not resolve the shaking force, which changes too sharply, e.g. when a blank breaks: give about"
             f" {enough} points, or use time_response"
         )
     if states % 2 == 0:
@@ -408,7 +408,7 @@ def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Fl
     """Number of states of the period that `steady_response` needs: the number in these reactions, or more; see `states_enough`.
 
     Raises:
-        PinpressError: the reactions are of another press, or the motion is no period.
+        PinpressError: the reactions are of another press, or the motion is not one period.
     """
     return states_enough(*spectrum(system, reactions, flywheel))
 

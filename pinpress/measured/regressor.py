@@ -174,7 +174,8 @@ class _Body(NamedTuple):
         return twice.T, rate.T, weight.T
 
     def momentum(self, gravity: Array) -> tuple[Array, Array, Array]:
-        """(6, n, 10) each: minus momentum and angular momentum about the world's origin, minus their rates, and weight with its moment."""
+        """(6, n, 10) each, about the world's origin: momentum and angular momentum, both negative; their rates, negative; weight and its
+        moment."""
         n = self.origin.shape[-1]
         moment, rate, weight = np.zeros((10, 6, n)), np.zeros((10, 6, n)), np.zeros((10, 6, n))
         moment[0, :3], rate[0, :3], weight[0, :3] = self.velocity, self.acceleration, gravity
@@ -204,7 +205,7 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     """The equations of a press with one crank.
 
     Raises:
-        PinpressError: the press has several drivers, or a driver that slides.
+        PinpressError: the press has several drivers, or a sliding driver.
     """
     press.refuse_several_drivers("records need a press with one crank; hold the joints of the other drivers")
     press.refuse_sliding_driver("records need a press with a crank")

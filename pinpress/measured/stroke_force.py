@@ -518,7 +518,7 @@ def _result(
     if found.edges:
         caution(
             f"{run.name}: residuals under force are {misfit:.3g} times the noise: the force has edges between heights"
-            f" {1e3 * np.diff(sensor.heights).min():.3g} mm apart. Set the heights closer where it jumps"
+            f" {1e3 * np.diff(sensor.heights).min():.3g} mm apart. Give closer heights where the force jumps"
         )
     return found
 

@@ -46,7 +46,7 @@ class Gibs:
         one_sided: True: with clearance, so that only one gib is in contact and may lift off. False: two gibs without clearance.
 
     Raises:
-        PinpressError: a length or width is not positive, the normal is no direction, or the middle is not a finite number.
+        PinpressError: a length or width is not positive, the normal is not a direction, or the middle is not a finite number.
     """
 
     length: float

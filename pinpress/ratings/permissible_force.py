@@ -89,7 +89,7 @@ class Capacities(Frozen):
     motor_power: float | None = None
     slide_acceleration: float | None = None
     shaking_force: float | None = None
-    # None for the torque, or name of a driver -> unit of its capacity, if it was given with one.
+    # name of a driver, or None for ``torque`` -> unit with which the capacity was given, if it had one
     _effort_units: Mapping[str | None, str] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -187,14 +187,14 @@ class RatedStroke:
         capacities: its capacities.
         speed: speed of the driver joint, negative backwards [rad/s]; highest speed of a sliding driver, positive towards bottom dead centre
             of the slide [m/s].
-        torque: torque capacity at the driver joint [N m], or force capacity of a driver that slides [N]; None: no limit.
+        torque: torque capacity at the driver joint [N m], or force capacity of a sliding driver [N]; None: no limit.
         at_speed: whether weights and inertia forces count.
         loads: springs, balance cylinders and constant forces in addition to the process.
         friction: name of a bearing -> friction.
         engine: as in `cycle`.
-        top: crank angle of the dead centre at which the working stroke begins [rad]; position of a driver that slides [m].
-        bottom: crank angle at which it ends, unwrapped: less than ``top`` if the crank turns backwards [rad]; position of a driver that
-            slides [m].
+        top: crank angle of the dead centre at which the working stroke begins [rad]; position of a sliding driver [m].
+        bottom: crank angle at which it ends, unwrapped: less than ``top`` if the crank turns backwards [rad]; position of a sliding driver
+            [m].
         bottom_position: slide position at its end [m].
         turns: turns of the driver joint from stroke to stroke. The whole press may repeat itself only after several strokes, with different
             forces in each.
@@ -315,7 +315,7 @@ def rated_stroke(
 
 
 def _refuse_turning_back(press: Linkage, ends: DeadCentres) -> None:
-    """Raise PinpressError if the slide turns back within the travel of a driver that slides, because then it has two working strokes."""
+    """Raise PinpressError if the slide turns back within the travel of a sliding driver, because then it has two working strokes."""
     low, high = (float(end) for end in press.branch_through_change_points.angles[[0, -1]])
     places = np.linspace(ends.top_angle, ends.bottom_angle, TURN + 1)
     speeds = motion_through_change_points(press, places, ends.bottom_angle - ends.top_angle).slide_velocity
@@ -330,7 +330,7 @@ def _refuse_turning_back(press: Linkage, ends: DeadCentres) -> None:
 
 
 def angle_at(rated: RatedStroke, name: str, height: float) -> float:
-    """Crank angle in the working stroke at a height above bottom dead centre, unwrapped [rad]; position of a driver that slides [m].
+    """Crank angle in the working stroke at a height above bottom dead centre, unwrapped [rad]; position of a sliding driver [m].
 
     Args:
         rated: the working stroke.
@@ -450,7 +450,7 @@ def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
             next_names |= dict(_changes(rated, names[k], names[k + 1], float(angle[k]), float(angle[k + 1])))
     every = _in_order(rated, np.concatenate([angle, list(next_names)]))
     forces = _capped(rated, every)
-    # At a change two limits permit equal forces up to rounding, which must not decide which of them governs.
+    # at a change two limits permit equal forces, so rounding errors must not decide which of them governs
     governing = tuple(next_names.get(float(at), name) for at, name in zip(every, governing_names(forces), strict=True))
     return GoverningLimits(every, forces, governing, tuple(k for k, at in enumerate(every) if float(at) in next_names))
 

@@ -40,7 +40,7 @@ from .shapes.stand_ins import ShaftFlywheel
 if TYPE_CHECKING:
     from ..simulation.elastic.run import ElasticRun
 
-FEWEST_PER_TURN = 36  # key frames a turn of a long motion; between keys 10 degrees apart a crank pin leaves its circle by 0.4 %
+FEWEST_PER_TURN = 36  # key frames per turn of a long motion; at 10 degrees apart a crank pin is off its circle by 0.4 %
 FARTHEST = np.pi / 2  # largest crank angle between two states; straight lines connect them [rad]
 MOST = 20_000  # key frames; they keep the page of a long run below 20 MB
 

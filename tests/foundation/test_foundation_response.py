@@ -262,7 +262,7 @@ def test_the_states_that_a_jump_needs_are_told():
         return pp.inverse_dynamics(system.press, pp.cycle(system.press, 3.0, points=states), loads=[jumping])
 
     from_few, from_more = (states_that_resolve(system, of(states)) for states in (60, 500))
-    with pytest.raises(PinpressError, match=f"500 states do not resolve .*: give some {from_more} points"):
+    with pytest.raises(PinpressError, match=f"500 states do not resolve .*: give about {from_more} points"):
         foundation.steady_response(system, of(500), points={})
     assert states_that_resolve(system, of(from_more)) == from_more == foundation.steady_response(system, of(from_more), points={}).time.size
     assert states_that_resolve(system, of(int(0.8 * from_more))) > 0.8 * from_more, "a fifth less are too few"

@@ -100,7 +100,8 @@ class Unknowns(NamedTuple):
         return self._replace(parameters=tuple(each._replace(value=angle) if each.name == ZERO else each for each in self.parameters))
 
     def scaled(self, sizes: Array) -> Array:
-        """(k, k) changes of the unknowns, as described, by scaled unknowns; ``sizes``: (k - inertial,) sizes of the others."""
+        """(k, k) derivatives of the unknowns by the scaled unknowns, at the described values; ``sizes``: (k - inertial,) sizes of the other
+        unknowns."""
         spread = np.diag(np.append(np.zeros(self.inertial), sizes))
         spread[: self.inertial, : self.inertial] = self.at(np.zeros(self.inertial))[1]
         return spread

@@ -312,7 +312,7 @@ class _Program:
 
     def _rms(self, rms: float) -> None:
         parts, fixed = self.heat()
-        most = rms**2 * self.unit_time / self.unit_heat  # heat of the unit of time at this torque
+        most = rms**2 * self.unit_time / self.unit_heat  # heat per unit of time at this torque
         row = self._row([*((columns, values / most) for columns, values in parts), (np.array([self.cycle]), np.array([-1.0]))])
         # to first order in the share of relaxation, at the unit of time
         limit = (self.problem.rms_name, np.array([2.0]), np.zeros(1, np.intp), rms)
