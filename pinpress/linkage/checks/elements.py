@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from decimal import Decimal
 
 import numpy as np
 
@@ -147,9 +148,15 @@ def _axis_problems(joint: Element) -> Iterator[Problem]:
         length = math.hypot(*axis)
         if axis and length == 0:
             yield element, "the axis is zero", 'write its direction, for example xyz="0 -1 0"'
-        elif axis and abs(length - 1) > 1e-6:
+        elif axis and abs(length - 1) > max(1e-6, _rounding_of_length(element.get("xyz").split())):
             unit = " ".join(repr(part / length + 0.0) for part in axis)  # + 0.0: no "-0.0"
             yield element, f"the axis has length {length:.9g}, not 1", f'write xyz="{unit}"'
+
+
+def _rounding_of_length(parts: Sequence[str]) -> float:
+    """How far the length of a unit vector is from 1, if its parts are rounded to three or more decimals, as exporters write them."""
+    decimals = max(-int(Decimal(part).as_tuple().exponent) for part in parts if abs(float(part)) >= 0.1)  # as %g writes, small ones have more
+    return math.sqrt(3) / 2 * 10.0**-decimals if decimals >= 3 else 0.0
 
 
 def _mimic_problems(robot: Element, description: Description) -> Iterator[Problem]:
