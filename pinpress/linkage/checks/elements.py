@@ -155,7 +155,8 @@ def _axis_problems(joint: Element) -> Iterator[Problem]:
 
 def _rounding_of_length(parts: Sequence[str]) -> float:
     """How far the length of a unit vector is from 1, if its parts are rounded to three or more decimals, as exporters write them."""
-    decimals = max(-int(Decimal(part).as_tuple().exponent) for part in parts if abs(float(part)) >= 0.1)  # as %g writes, small ones have more
+    large = [part for part in parts if abs(float(part)) >= 0.1]  # small ones have more decimals where digits are counted, as by %g
+    decimals = max((-int(Decimal(part).as_tuple().exponent) for part in large), default=0)
     return math.sqrt(3) / 2 * 10.0**-decimals if decimals >= 3 else 0.0
 
 
