@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import AssemblyError, PinpressError, UnknownNameError, shown
+from ..common.errors import AssemblyError, PinpressError, UnknownNameError, caution, cautions_collected, shown
 from ..common.quantities import Array
 from ..engines.mounting import CLOSED, STARTS, Mounted, Mounting, within
 from ..engines.rank import PassiveJacobian
@@ -22,6 +22,7 @@ from .linkage import Linkage
 ROUNDED = 1e-3  # misfit that rounded numbers may leave where equations are redundant
 NEAR = 0.05  # moves of joints up to which Newton's method reaches the same pose as damped steps [rad, lengths of the linkage]
 BESIDE = 0.3  # distance of the drivers from a pose in which assemblies meet, where these are told apart [rad, lengths of the linkage]
+FAR = 0.8  # moves of joints from which on closing often ends in another assembly than was meant [rad, lengths of the linkage]
 MOST_LISTED = 4
 MOST_ALIKE = 6  # starts one after the other that end at the same misfit, after which no better one is expected
 POSE, HOME = "pose=", "the <home> of the file"
@@ -62,6 +63,7 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         # Assemblies meet as drawn, so that several may be near the pose: the one that is farthest from locking.
         if poses := mounting.assemblies(rung.start, rung.held, 2 * BESIDE):
             chosen = max(poses, key=lambda pose: _margin(press, pose))
+            _doubt(press, mounting, home, chosen)
             return replace(press, home=tuple(chosen.tolist()), mounted=rung.how)
     ladder: list[Iterable[_Rung]] = [_near(press, home, POSE)]
     if not home:
@@ -72,7 +74,21 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
         named = ", ".join(f"{name} {value:g}" for name, value in home.items())
         problem = f"{press.file}: its loops do not close near the pose {named}: at best they are {gap:.3g} mm apart"
         raise AssemblyError(f"{problem}; give another pose, or fewer joints of it", 0.0, gap / 1e3, 0)
-    return replace(press, home=tuple(mounting.without_turns(best.position).tolist()), mounted=how)
+    position = mounting.without_turns(best.position)
+    if not how.startswith(f"{POSE} with all joints free"):  # of which `checks` warn
+        _doubt(press, mounting, home, position)
+    return replace(press, home=tuple(position.tolist()), mounted=how)
+
+
+def _doubt(press: Linkage, mounting: Mounting, named: Mapping[str, float], position: Array) -> None:
+    """Warn of a home pose (nv,) in which a joint is far from where a pose names it."""
+    wanted, places = position.copy(), [press.joints.index(name) for name in named]
+    wanted[places] = list(named.values())
+    for name, j in zip(named, places, strict=True):
+        if mounting.apart(wanted, position)[j] > FAR:
+            unit = "rad" if press.axes[j].turns else "m"
+            problem = f"the loops close with joint {name!r} at {position[j]:.6g} {unit}, far from {named[name]:g} of pose="
+            caution(f"{press.file}: {problem}; another assembly may be meant: name a pose nearer to it, or fewer joints")
 
 
 def _climb(mounting: Mounting, ladder: Iterable[Iterable[_Rung]]) -> tuple[Mounted, str]:
@@ -119,7 +135,8 @@ def nearby(press: Linkage) -> list[dict[str, float]]:
 def _chooses(press: Linkage, mounting: Mounting, named: Mapping[str, float], pose: Array) -> bool:
     """Whether coordinates of joints choose the assembly of a pose (nv,)."""
     try:
-        home = mount(replace(press, home=(), mounted=""), named).home
+        with cautions_collected():
+            home = mount(replace(press, home=(), mounted=""), named).home
     except AssemblyError:
         return False
     return bool(mounting.apart(np.array(home), pose).max() < 0.05)

@@ -232,3 +232,8 @@ def test_limits_choose_the_assembly_of_an_open_drawing(tmp_path):
     (tmp_path / "limited.urdf").write_text(text)
     press = pp.load(tmp_path / "limited.urdf")
     assert 0.5 - 1e-9 <= press.closed[press.joints.index("knee_b")] <= 3.1
+
+
+def test_a_pose_far_from_any_assembly_is_warned_of():
+    with pytest.warns(pp.PinpressWarning, match="with joint 'rocker_turn' at -?[0-9.]+ rad, far from -2.5 of pose="):
+        pp.load(FLAT, pose={"crank_turn": 0.6, "rocker_turn": -2.5})

@@ -21,14 +21,13 @@ from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
 from ..document import Finding
 from ..driving.freedoms import Freedom, generic_ways
-from ..home import HOME, POSE, ROUNDED, nearby
+from ..home import FAR, HOME, POSE, ROUNDED, nearby
 from ..linkage import LEVEL, Linkage
 from . import mobility, units
 
 SEEN = 1e-9  # smaller gaps and motions are rounding [lengths of the linkage, rad]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
-FAR = 0.8  # moves of joints from which on closing often ends in another assembly than was meant [rad, lengths of the linkage]
 SAMPLES = 720  # crank angles of a turn at which positions of joints are checked
 
 
