@@ -335,3 +335,19 @@ def test_springs_dampers_and_rotors_of_mjcf(family, kind, sprung, seed, tmp_path
     assert press.passive == ((sprung,) if sprung else ())
     np.testing.assert_allclose([press.closed[press.joints.index(name)] for name in made.names], made.home, atol=1e-9)
     compare(press, made, seed=seed)
+
+
+def test_sdf_keeps_springs_and_says_which_damping_is_not_read_back(tmp_path):
+    pytest.importorskip("mujoco")
+    made = mechanism("five_bar", seed=0)
+    made.springs, made.drivers = {"B": (15.0, made.home[2] + 0.1, 0.2), "K": (0.0, 0.0, 0.1)}, ("A",)
+    with pytest.warns(pp.PinpressWarning, match="the damping of K acts in Gazebo, and not in pinpress"):
+        path = pp.write_sdf(load(tmp_path, mjcf(made), "xml"), tmp_path / "back.sdf")
+    del made.springs["K"]
+    back = pp.load(path)
+    unread = [note.element for note in pp.check(path).notes if "does not read damping" in note.problem]
+    assert unread == ['<joint name="K">']
+    for k, (name, kind, parent, child, place, axis) in enumerate(made.joints):  # zero is the closed pose
+        made.joints[k] = name, kind, parent, child, place * _step(kind, axis, made.home[k]), axis
+    made.springs["B"] = (15.0, 0.1, 0.2)
+    compare(back, made)

@@ -445,9 +445,11 @@ def remarks(document: Document) -> Iterator[Finding]:
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
     yield from _massless(robot, description)
+    damped = {spring.joint for spring in description.joint_springs if spring.damping}
     for joint in robot.all("joint"):
+        unread = ("friction",) if joint.get("name") in damped else ("damping", "friction")
         for dynamics in joint.all("dynamics"):
-            values = [f"{name}={dynamics.get(name)!r}" for name in ("damping", "friction") if any(dynamics.numbers(name))]
+            values = [f"{name}={dynamics.get(name)!r}" for name in unread if any(dynamics.numbers(name))]
             if values:
                 problem = f"inverse dynamics does not read {' and '.join(values)}"
                 remedy = f"give it friction={{{joint.get('name')!r}: Friction(...)}}"

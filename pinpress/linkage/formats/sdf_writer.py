@@ -45,7 +45,7 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
 
     Warns:
         PinpressWarning: the ``<tool>`` of the slide, which is left out; armature, which other programs skip; inertia that no body has,
-            which Gazebo refuses; a link that had to get another name.
+            which Gazebo refuses; a link that had to get another name; damping that is not read back.
     """
     document = Document(press.file, drawn_text(press))
     drawn = _with_gears(mechanism_of(document), press.name)
@@ -58,6 +58,9 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
             caution(f"{press.name}: link {link.name!r} has moments of inertia that no body has, which Gazebo refuses; written as they are")
     if rotors := [joint.name for joint in mechanism.joints if joint.armature]:
         caution(f"{press.name}: Gazebo knows no armature: that of {', '.join(rotors)} is in <{ARMATURE}>, which pinpress alone reads")
+    if damped := [joint.name for joint in mechanism.joints if joint.spring is not None and not joint.spring.stiffness]:
+        problem = f"the damping of {', '.join(damped)} acts in Gazebo, and not in pinpress, which reads that of joints on springs alone"
+        caution(f"{press.name}: {problem}; give it as friction={{joint: Friction(...)}}")
     return files.write(path, ("\n".join(_Writer(mechanism, _places(drawn, press.root), press).lines()) + "\n").encode())
 
 
