@@ -340,7 +340,8 @@ def _scales(chart: Chart, others: Sequence[Curve]) -> tuple[ShownUnit, ShownUnit
 
 
 def _label(name: str, scale: ShownUnit) -> str:
-    return f"{name} [{scale.unit}]" if scale.unit else name
+    name = "" if name == quantity("-").name else name  # a pure number: the title says what it is
+    return f"{name} [{scale.unit}]".strip() if scale.unit else name
 
 
 def _backdrop(axes: Axes, along: Along, across: ShownUnit) -> None:
