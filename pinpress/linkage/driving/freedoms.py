@@ -127,7 +127,9 @@ def undriven(
     for group in moves.groups(ways):
         while (spin := moves.spin(ways, group, taken)) is not None:
             freedom, joint = spin
-            again = moves_near.spin(ways_near, group, [joint])
+            # Where three hinges of a ball are oblique, one of them may rest in the spin in this pose alone: the group is larger beside it.
+            wider = (each for each in moves_near.groups(ways_near) if set(group) <= set(each))
+            again = next((found for each in wider if (found := moves_near.spin(ways_near, each, [joint]))), None)
             if again is None or again[1] != joint:
                 break  # an axis happens to go through another one in this pose, as in a spherical wrist
             freedoms.append(freedom)
