@@ -75,9 +75,7 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
     for j, (axis, coordinate) in enumerate(zip(press.axes, position, strict=True), 1):
         if j - 1 in press.driver_indices:
             continue
-        turned = pin.exp3(axis.direction * coordinate) if axis.turns else np.eye(3)
-        travelled = np.zeros(3) if axis.turns else axis.direction * coordinate
-        model.jointPlacements[j] = model.jointPlacements[j] * pin.SE3(turned, travelled)
+        model.jointPlacements[j] = model.jointPlacements[j] * axis.step(coordinate)
         joint = model.joints[j]
         if joint.nq == 1:
             for limits in (model.lowerPositionLimit, model.upperPositionLimit):

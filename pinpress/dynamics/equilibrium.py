@@ -78,7 +78,7 @@ class _Statics:
     @property
     def units(self) -> Array:
         """(drivers,) what counts as 1 rad of each driver [rad or m]."""
-        return np.array([1.0 if each.turns else self.press.size for each in self.press.driver_coordinates])
+        return self.press.lengths[list(self.press.driver_indices)]
 
     @cached_property
     def close_drivers(self) -> CloseDrivers:

@@ -86,7 +86,7 @@ def _free_piece(
 def _refuse_without_inertia(press: Linkage, mass: Array, first: int) -> None:
     """Raise PinpressError where a motion of the passive coordinates alone moves no mass; ``mass``: (n, passive, passive), from the state
     ``first`` on."""
-    units = np.array([1.0 if press.axes[joint].turns else press.size for joint in press.driver_indices[len(press.motors) :]])
+    units = press.lengths[list(press.driver_indices[len(press.motors) :])]
     scaled = mass * np.multiply.outer(units, units)
     values, ways = np.linalg.eigh(0.5 * (scaled + scaled.transpose(0, 2, 1)))
     heavy = float(np.max([press.size**2 * inertia.mass + np.abs(inertia.inertia).max() for inertia in press.model.inertias]))

@@ -71,20 +71,20 @@ def _rank_tolerance(gap: float) -> float:
 
 def _poses(structure: Structure, start: Array) -> list[_Pose]:
     """Poses of least squares: near a start, and on the way from there by all freedoms at once, in two opposite directions."""
-    one, units = OneConfiguration(structure), np.array([1.0 if axis.turns else 1.0 / structure.size for axis in structure.axes])
-    near = _least_squares(one, structure.size, units, start, 0.0)
+    one = OneConfiguration(structure)
+    near = _least_squares(one, structure, start, 0.0)
     if near is None:
         return []
     poses = [near]
     for sign in (1.0, -1.0):
-        pose, way = near, sign * np.random.default_rng(0).uniform(-1.0, 1.0, len(start)) / units
+        pose, way = near, sign * np.random.default_rng(0).uniform(-1.0, 1.0, len(start)) * structure.lengths
         for _ in range(POSES):
             way = pose.free @ (np.linalg.pinv(pose.free) @ way)
-            longest = float(np.abs(way * units).max(initial=0.0))
+            longest = float(np.abs(way / structure.lengths).max(initial=0.0))
             if not longest:
                 break
             # A pose that happens to close has no misfit to tell its rank by: that of the others does.
-            further = _least_squares(one, structure.size, units, pose.x + FURTHER / longest * way, max(each.gap for each in poses))
+            further = _least_squares(one, structure, pose.x + FURTHER / longest * way, max(each.gap for each in poses))
             if further is None or not further.gap < LARGEST:
                 break  # a lock, or another assembly
             poses.append(further)
@@ -92,17 +92,16 @@ def _poses(structure: Structure, start: Array) -> list[_Pose]:
     return poses
 
 
-def _least_squares(one: OneConfiguration, size: float, units: Array, x: Array, misfit: float) -> _Pose | None:
+def _least_squares(one: OneConfiguration, structure: Structure, x: Array, misfit: float) -> _Pose | None:
     """The pose of least squares near joint coordinates (nv,), by the steps of Gauss and Newton; None where they do not end.
 
     Args:
         one: the equations.
-        size: length of the linkage [m].
-        units: (nv,) what makes the coordinates angles [1 or 1/m].
+        structure: of the linkage.
         x: (nv,) joint coordinates.
         misfit: at other poses [lengths of the linkage].
     """
-    before = np.inf
+    size, before = structure.size, np.inf
     for _ in range(MOST_STEPS):
         rows = one.at(x)
         gap = _widest(rows.gaps, len(one.loops)) / size
@@ -118,7 +117,7 @@ def _least_squares(one: OneConfiguration, size: float, units: Array, x: Array, m
             surely = int(ranks(values, 30 * LARGEST))
             return _Pose(x, gap, rows.columns, right[surely:].T / lengths[:, None])
         step = right[:r].T @ (size * closing / values[:r]) / lengths
-        longest = float(np.abs(step * units).max(initial=0.0))
+        longest = float(np.abs(step / structure.lengths).max(initial=0.0))
         x, before = x - step * min(1.0, 0.5 / longest), left_open  # a longer step may lead to another assembly
     return None
 

@@ -43,9 +43,9 @@ class Mounting:
 
     def __init__(self, structure: Structure) -> None:
         self.one, self.structure = OneConfiguration(structure), structure
-        self.lengths = np.array([1.0 if axis.turns else structure.size for axis in structure.axes])
+        self.lengths = structure.lengths
         self.lower, self.upper = limits(structure)
-        self.closed = max(CLOSED, 10 * structure.misfit / structure.size)  # as large as the closing tolerance of rounded linkages
+        self.closed = max(CLOSED, structure.tolerance / structure.size)  # that of rounded linkages, and of those far from the origin
 
     def close(self, start: Array, held: Sequence[int] = (), limited: bool = True) -> Mounted:
         """The pose in which damped least squares end.

@@ -75,6 +75,11 @@ class Structure:
         return max(SMALLEST_MARGIN, self.rank_tolerance)
 
     @cached_property
+    def lengths(self) -> Array:
+        """(nv,) what counts as 1 rad of each joint [rad or m]."""
+        return np.array([1.0 if axis.turns else self.size for axis in self.axes])
+
+    @cached_property
     def parents(self) -> tuple[int, ...]:
         """(nv,) index in v of every joint's parent joint, -1 for the frame."""
         return tuple(int(parent) - 1 for parent in list(self.model.parents)[1:])
@@ -253,6 +258,11 @@ class Axis(NamedTuple):
 
     direction: Array
     turns: bool
+
+    def step(self, coordinate: float) -> pin.SE3:
+        """Placement of the joint's frame at a coordinate, in that at zero."""
+        along = self.direction * coordinate
+        return pin.SE3(pin.exp3(along), np.zeros(3)) if self.turns else pin.SE3(np.eye(3), along)
 
 
 def axes(model: pin.Model) -> tuple[Axis, ...]:

@@ -325,7 +325,7 @@ def follow_drivers(
     at, here, result, done, tried = begin, start, np.empty((len(start), len(angles))), 0, PIECE
     while done < len(angles):
         path = np.concatenate([at[None], angles[done : done + tried]])
-        path_to = path_between(path, _counted_as_angle(structure), PIECE)
+        path_to = path_between(path, structure.lengths[list(structure.drivers)], PIECE)
         reached = follow_at_once(close_drivers, here, path_to, structure.size, tolerance, least)
         count = reached.shape[1]
         tried = min(PIECE, max(1, 2 * count))
@@ -352,7 +352,7 @@ def _first_within_reach(engine: Engine, structure: Structure, start: Array, angl
     All are tried at once, in steps that grow as those of a walk, of which each has to close. Walking to each would take a thousand times as
     long where the way is locked.
     """
-    close_drivers, unit, begin = engine.closing_function(), _counted_as_angle(structure), start[list(structure.drivers)]
+    close_drivers, unit, begin = engine.closing_function(), structure.lengths[list(structure.drivers)], start[list(structure.drivers)]
     tried, count = 0, 16
     while tried < len(angles):
         ways = (angles[tried : tried + count] - begin).T
@@ -376,7 +376,7 @@ def _walk_between(
     """Closed position (nv,) of a linkage with several drivers, walked to from a closed position (nv,) between two driver positions
     (drivers,); raises SingularityError."""
     close_drivers = engine.closing_function()
-    distance = float(np.linalg.norm((after - before) / _counted_as_angle(structure)))
+    distance = float(np.linalg.norm((after - before) / structure.lengths[list(structure.drivers)]))
     along = (after - before) / distance if distance else np.zeros_like(after)
 
     def close(at: Array, guess: Array) -> Closure:
@@ -389,11 +389,6 @@ def _walk_between(
         problem = f"{name} locks on the way from {from_here} to {to_there}: keep the motion away from there"
         raise SingularityError(problem, float(locked[0]), end.margin, place, locked.tolist())
     return end
-
-
-def _counted_as_angle(structure: Structure) -> Array:
-    """(drivers,) what counts as 1 rad of each driver [rad or m]."""
-    return np.array([1.0 if each.turns else structure.size for each in structure.coordinates])
 
 
 def _refuse_beyond_limits(structure: Structure, begin: Array, angles: Array) -> None:

@@ -165,7 +165,7 @@ class Linkage(Frozen):
     @property
     def lengths(self) -> Array:
         """(nv,) what counts as 1 rad of each joint [rad or m]."""
-        return np.array([1.0 if axis.turns else self.size for axis in self.axes])
+        return self.structure.lengths
 
     @property
     def axes(self) -> tuple[Axis, ...]:
@@ -556,9 +556,7 @@ class Linkage(Frozen):
         """The linkage drawn in a closed pose (nv,); see `drawn_at`."""
         model = self.model.copy()
         for joint, (axis, slot, coordinate) in enumerate(zip(self.axes, self.slots, pose, strict=True), 1):
-            along = axis.direction * coordinate
-            step = pin.SE3(pin.exp3(along), np.zeros(3)) if axis.turns else pin.SE3(np.eye(3), along)
-            model.jointPlacements[joint] = model.jointPlacements[joint] * step
+            model.jointPlacements[joint] = model.jointPlacements[joint] * axis.step(coordinate)
             if not slot.unbounded:
                 model.lowerPositionLimit[slot.start] -= coordinate
                 model.upperPositionLimit[slot.start] -= coordinate

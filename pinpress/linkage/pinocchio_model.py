@@ -20,7 +20,7 @@ from ..engines.constraints import Relation
 from .document import Document, Origin
 from .formats.elements import make_unique
 from .formats.free_bodies import Base
-from .formats.mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, as_document, massless_link
+from .formats.mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, as_document, massless_link, with_hinges
 from .formats.mechanism import Relation as NamedRelation
 from .linkage import Linkage
 from .loading import load_document
@@ -130,7 +130,7 @@ class _Reader:
             if joint:
                 self._read_joint(joint)
         self._read_frames()
-        loops = tuple(self._loops(constraint_models))
+        loops = tuple(with_hinges(self._loops(constraint_models))[0])
         origin = _origin("model", name)
         links, joints = tuple(self.links), tuple(self.joints)
         geared = tuple(self._relations(relations))
@@ -295,29 +295,20 @@ class _Reader:
             yield NamedRelation(relation.name, coefficients, float(relation.offset), _origin("relation", relation.name))
 
     def _loops(self, constraint_models: Sequence[Constraint]) -> Iterator[Loop]:
-        points: dict[tuple[int, int], list[Constraint]] = {}
-        for constraint in constraint_models:
-            if _is_point(constraint):
-                points.setdefault((constraint.joint1_id, constraint.joint2_id), []).append(constraint)
-        hinges = {id(pair[0]): pair[1] for pair in points.values() if len(pair) == 2 and _are_hinge(*pair)}
-        second = {id(other) for other in hinges.values()}
         taken = {joint.name for joint in self.joints}
         for constraint in constraint_models:
-            if id(constraint) in second:
-                continue
+            is_point = _is_point(constraint)
             joints = constraint.joint1_id, constraint.joint2_id
             if not all(0 <= joint < self.model.njoints for joint in joints):
                 raise PinpressError(f"constraint {constraint.name!r} joins joints {joints}: {self.model.name} has {self.model.njoints}")
             names = [self.carried[joint] for joint in joints]
             name = make_unique(constraint.name or f"loop_{names[0]}_{names[1]}", taken)
             taken.add(name)
-            ends, other = _ends(constraint), hinges.get(id(constraint))
-            kind = "revolute" if other is not None else "spherical" if _is_point(constraint) else "fixed"
-            if other is not None:
-                ends = tuple(_along(end, further) for end, further in zip(ends, _ends(other), strict=True))
-            yield Loop(
-                name, kind, ((names[0], ends[0]), (names[1], ends[1])), _X if other is not None else None, _origin("constraint", name)
+            one, other = (
+                (link, pin.SE3(np.eye(3) if is_point else place.rotation, np.array(place.translation)))
+                for link, place in zip(names, (constraint.joint1_placement, constraint.joint2_placement), strict=True)
             )
+            yield Loop(name, "spherical" if is_point else "fixed", (one, other), None, _origin("constraint", name))
 
 
 def _origin(tag: str, name: str) -> Origin:
@@ -340,21 +331,3 @@ def _is_point(constraint: Constraint) -> bool:
     if np.any(offset):
         raise PinpressError(f"constraint {constraint.name!r} has a desired offset: move its joint1_placement by it instead")
     return is_point
-
-
-def _ends(constraint: Constraint) -> tuple[pin.SE3, pin.SE3]:
-    places = constraint.joint1_placement, constraint.joint2_placement
-    if not _is_point(constraint):
-        return places[0].copy(), places[1].copy()
-    return pin.SE3(np.eye(3), np.array(places[0].translation)), pin.SE3(np.eye(3), np.array(places[1].translation))
-
-
-def _are_hinge(first: Constraint, second: Constraint) -> bool:
-    """Whether two points that are held together on the same two bodies are as far apart on one as on the other."""
-    distances = [float(np.linalg.norm(b.translation - a.translation)) for a, b in zip(_ends(first), _ends(second), strict=True)]
-    return min(distances) > 0 and abs(distances[0] - distances[1]) <= 1e-9 * max(distances)  # more is no rounding
-
-
-def _along(end: pin.SE3, further: pin.SE3) -> pin.SE3:
-    """The end of a hinge whose x points from one place to the other."""
-    return pin.SE3(pin.Quaternion.FromTwoVectors(_X, further.translation - end.translation).matrix(), end.translation)

@@ -95,6 +95,11 @@ def tag(name: str, attributes: Mapping[str, str], content: str = "") -> str:
     return f"<{name}{_attributes(attributes)}" + (f">{content}</{name}>" if content else "/>")
 
 
+def opening(name: str, attributes: Mapping[str, str]) -> str:
+    """A start tag as text."""
+    return f"<{name}{_attributes(attributes)}>"
+
+
 def link_without_mass(name: str) -> str:
     """A link between joints that stand for one joint, as text."""
     inertia = tag("mass", {"value": "0"}) + tag("inertia", {moment: "0" for moment, _, _ in MOMENTS})

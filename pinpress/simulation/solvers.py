@@ -289,10 +289,9 @@ def _joint_sizes(driven: DrivenPress, joints: FullDynamics, speed: Array, y: Arr
     """
     press = driven.press
     rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
-    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
     energy = joints.energy(np.concatenate([y[: joints.size], rate * np.ones(joints.size)]))
     states = _state_sizes(driven, len(y) - 2 * joints.size - len(INTEGRALS), rate)
-    return np.concatenate([lengths, lengths * rate, states, [energy, energy, np.inf, energy]])
+    return np.concatenate([press.lengths, press.lengths * rate, states, [energy, energy, np.inf, energy]])
 
 
 def _state_sizes(driven: DrivenPress, count: int, speed: float) -> list[float]:

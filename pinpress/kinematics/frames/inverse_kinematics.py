@@ -23,7 +23,6 @@ from ...linkage.linkage import Linkage
 LONGEST = 0.6  # of a joint from place to place [rad, lengths of the linkage]: with a longer one the way between them shows how it goes on
 HALVINGS = 10  # most halvings of the way between two places
 STARTS = 20  # random starts where a place is not reached from the one before
-EXACT = 1e-9  # error of a place that is reached [lengths of the linkage, rad]
 
 
 @typed
@@ -99,7 +98,6 @@ class _Reaching(Mounting):
         self.resting = press.driver_indices[len(press.motors) :]
         self.moving = np.ones(len(self.lengths))
         self.moving[list(self.resting)] = 0.0
-        self.exact = max(EXACT, press.structure.tolerance / press.size)
 
     def equations(self, x: Array) -> tuple[Array, Array]:
         gaps, columns = super().equations(x)
@@ -129,14 +127,14 @@ class _Reaching(Mounting):
         random = np.random.default_rng(0)
         for spread in np.linspace(0.1, 1.0, STARTS):  # from elsewhere: steps may have ended at the limit of a joint
             mounted = self.reach(x + spread * self.moving * self.lengths * random.normal(size=len(x)), target)
-            if mounted.misfit <= self.exact and (led := self.led(x, mounted.position, target)) is not None:
+            if mounted.misfit <= self.closed and (led := self.led(x, mounted.position, target)) is not None:
                 return led
         return None
 
     def go(self, x: Array, target: pin.SE3, halvings: int) -> Array | None:
         """`find`, straight to the target, in short steps or with the drivers on a straight line."""
         mounted = self.reach(x, target)
-        if mounted.misfit <= self.exact:
+        if mounted.misfit <= self.closed:
             if np.abs((mounted.position - x) / self.lengths).max() <= LONGEST:
                 return mounted.position
             if (led := self.led(x, mounted.position, target)) is not None:
@@ -160,7 +158,7 @@ class _Reaching(Mounting):
 
     def is_at(self, x: Array, target: pin.SE3) -> bool:
         distance, angle = self.errors(self.at(x), target)
-        return max(distance / self.press.size, angle) <= 10 * self.exact
+        return max(distance / self.press.size, angle) <= 10 * self.closed
 
     def at(self, x: Array) -> pin.SE3:
         """Where the frame is at joint coordinates (nv,)."""
@@ -181,7 +179,7 @@ def _middle(before: pin.SE3, after: pin.SE3, oriented: bool) -> pin.SE3:
 def _why(reaching: _Reaching, x: Array, target: pin.SE3, index: int) -> str:
     """Why no pose was found for a place from joint coordinates (nv,) at the place before."""
     place = f"place {index}, {np.array2string(target.translation, precision=6)} m"
-    if reaching.reach(x, target).misfit <= reaching.exact:
+    if reaching.reach(x, target).misfit <= reaching.closed:
         return (
             f"reaches {place}, but no straight way of the drivers leads there from the {'home pose' if index == 0 else 'place before'}: the"
             " linkage locks on it, or comes to another assembly; give places in between that lead round"

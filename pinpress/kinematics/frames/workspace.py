@@ -124,8 +124,7 @@ def workspace(
     loop_margin[flooded.reached] = moving.margins
     motors = len(press.motors)
     full = motors > 3 if oriented is None else oriented
-    lengths = np.array([1.0 if each.turns else press.size for each in press.driver_coordinates[:motors]])
-    scaled = moving.columns.transpose(2, 0, 1)[:, : 6 if full else 3, :motors] * lengths
+    scaled = moving.columns.transpose(2, 0, 1)[:, : 6 if full else 3, :motors] * press.lengths[list(press.driver_indices[:motors])]
     scaled[:, :3] /= press.size
     values, signs = _least_singular_values(scaled)
     frame_margin[flooded.reached] = values

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ...common.results import Record
-from ...engines.mounting import CLOSED, Mounting
+from ...engines.mounting import Mounting
 from ...engines.pinocchio.equations import OneConfiguration
 from ...engines.rank import rank
 from ...engines.structure import Structure, configuration, data_of
@@ -76,14 +76,9 @@ class Undriven(NamedTuple):
         return tuple(each.joints[0] for each in self.freedoms if each.kind in kinds)
 
 
-def lengths(structure: Structure) -> Array:
-    """(nv,) what counts as 1 rad of each joint [rad or m]."""
-    return np.array([1.0 if axis.turns else structure.size for axis in structure.axes])
-
-
 def free_ways(structure: Structure, columns: Array, still: Sequence[int] = ()) -> Array:
     """(nv, k) orthonormal ways, in rad and sizes, in which a linkage moves; ``columns``: (rows, nv) Jacobian; ``still``: joints at rest."""
-    scaled = columns * lengths(structure)
+    scaled = columns * structure.lengths
     moving = [j for j in range(structure.model.nv) if j not in set(still)]
     ways = np.zeros((structure.model.nv, len(moving) - rank(scaled[:, moving], structure.rank_tolerance)))
     if ways.size:
@@ -189,7 +184,7 @@ def _neighbours(structure: Structure, x: Array) -> Iterator[Array]:
     mounting, random = Mounting(structure), np.random.default_rng(0)
     for _ in range(4):
         near = mounting.close(x + 0.15 * mounting.lengths * random.uniform(-1.0, 1.0, len(x)), limited=False)
-        if near.misfit <= max(CLOSED, structure.tolerance / structure.size):
+        if near.misfit <= mounting.closed:
             yield near.position
 
 
@@ -229,7 +224,7 @@ class _Bodies:
     def at(structure: Structure, x: Array) -> _Bodies:
         model = structure.model
         data = data_of(model)
-        jacobian = pin.computeJointJacobians(model, data, configuration(structure.slots, x)).reshape(6, -1) * lengths(structure)
+        jacobian = pin.computeJointJacobians(model, data, configuration(structure.slots, x)).reshape(6, -1) * structure.lengths
         carried = np.zeros((model.nv + 1, model.nv), dtype=bool)  # by which joints a body is carried
         for joint, parent in enumerate(structure.parents):
             carried[joint] = carried[parent]  # that of the frame is the last

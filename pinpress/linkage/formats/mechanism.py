@@ -9,7 +9,7 @@ which the linkage is put together, if that is not the pose with all joints at ze
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -18,9 +18,10 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..document import Document, Finding, Origin
-from ..text import MOMENTS, as_text, tag
+from ..text import MOMENTS, as_text, opening, tag
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
+_X = np.array([1.0, 0.0, 0.0])
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
 
 
@@ -133,6 +134,30 @@ class Mechanism:
     home: Mapping[str, float | Array] = field(default_factory=dict)
 
 
+def with_hinges(loops: Iterable[Loop]) -> tuple[list[Loop], list[tuple[Loop, Loop]]]:
+    """The loops, in which two balls between the same two bodies whose points are equally far apart in both are one hinge; and the pairs of
+    balls that were."""
+    kept: list[Loop] = []
+    pairs: list[tuple[Loop, Loop]] = []
+    for loop in loops:
+        for k, first in enumerate(kept):
+            if (first.type, loop.type) != ("spherical", "spherical") or [end[0] for end in first.ends] != [end[0] for end in loop.ends]:
+                continue
+            ways = [second.translation - start.translation for (_, start), (_, second) in zip(first.ends, loop.ends, strict=True)]
+            apart = [float(np.linalg.norm(way)) for way in ways]
+            if min(apart) > 0 and abs(apart[1] - apart[0]) <= 1e-9 * max(apart):  # else rounded points: a joint that yields a little
+                one, two = (
+                    (link, pin.SE3(pin.Quaternion.FromTwoVectors(_X, way).matrix(), place.translation))
+                    for (link, place), way in zip(first.ends, ways, strict=True)
+                )
+                kept[k] = replace(first, type="revolute", ends=(one, two), axis=_X)
+                pairs.append((first, loop))
+                break
+        else:
+            kept.append(loop)
+    return kept, pairs
+
+
 class Edge(NamedTuple):
     """A joint that the tree may take, by the names of its parent and child link; it takes joints of low rank before others."""
 
@@ -219,7 +244,7 @@ def as_document(file: str, mechanism: Mechanism, source: str) -> Document:
     """The URDF of a mechanism that was read from this file; ``source``: the name of its format."""
     lines = [
         ("<?xml version='1.0'?>", "robot", mechanism.origin),
-        (_opening("robot", {"name": mechanism.name}), "robot", mechanism.origin),
+        (opening("robot", {"name": mechanism.name}), "robot", mechanism.origin),
         (f"  <!-- Written by pinpress from {source}. Joints count from the zeros of that file. SI units. -->", "", mechanism.origin),
     ]
     joints = list(_with_axes_of_balls(mechanism))
@@ -245,7 +270,7 @@ def _link(link: Link) -> Iterator[Line]:
     if link.inertia is None and not link.shapes:
         yield f"  {tag('link', {'name': link.name})}", link.origin
         return
-    yield f"  {_opening('link', {'name': link.name})}", link.origin
+    yield f"  {opening('link', {'name': link.name})}", link.origin
     if link.inertia is not None:
         inertia, moments = link.inertia, link.inertia.tensor
         values = {name: as_text([moments[i, j]]) for name, i, j in MOMENTS}
@@ -262,7 +287,7 @@ def _link(link: Link) -> Iterator[Line]:
 
 def _joint(joint: Joint) -> Iterator[Line]:
     kind = "continuous" if joint.type == "revolute" and joint.limits is None else joint.type
-    yield f"  {_opening('joint', {'name': joint.name, 'type': kind})}", joint.origin
+    yield f"  {opening('joint', {'name': joint.name, 'type': kind})}", joint.origin
     yield f"    {tag('parent', {'link': joint.parent})}{tag('child', {'link': joint.child})}{_origin(joint.place)}", joint.origin
     if joint.type not in ("fixed", "floating"):
         yield f"    {tag('axis', {'xyz': as_text(joint.axis)})}", joint.origin
@@ -321,11 +346,6 @@ def loop_element(loop: Loop) -> str:
     if loop.axis is not None:
         content += tag("axis", {"xyz": as_text(loop.axis)})
     return tag("loop_joint", {"name": loop.name, "type": loop.type}, content)
-
-
-def _opening(name: str, attributes: Mapping[str, str]) -> str:
-    """A start tag."""
-    return tag(name, attributes).removesuffix("/>") + ">"
 
 
 def _origin(place: pin.SE3) -> str:

@@ -21,18 +21,32 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError, UrdfError, shown
 from ...common.quantities import Array
+from ...engines.structure import Axis
 from ..document import Document, Finding, Origin
 from ..document import read as read_text
 from ..element import Element, tree
 from ..text import as_text
 from .elements import make_unique, refuse, remark
-from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Relation, Shape, Spring, as_document, capsule, massless_link
+from .mechanism import (
+    Follow,
+    Inertia,
+    Joint,
+    Link,
+    Loop,
+    Mechanism,
+    Relation,
+    Shape,
+    Spring,
+    as_document,
+    capsule,
+    massless_link,
+    with_hinges,
+)
 
 if TYPE_CHECKING:
     import mujoco
 
 WORLD = "world"
-FIRST_AXIS = np.array([1.0, 0.0, 0.0])  # of a hinge that two points make
 
 
 def read(document: Document) -> Document:
@@ -356,7 +370,7 @@ class _Reader:
             kind,
             parent,
             child,
-            place * _moved(kind, axis, -float(model.qpos0[model.jnt_qposadr[k]])),  # the body is drawn at ref
+            place * Axis(axis, kind == "revolute").step(-float(model.qpos0[model.jnt_qposadr[k]])),  # the body is drawn at ref
             axis,
             origin,
             limits=(float(model.jnt_range[k][0]), float(model.jnt_range[k][1])) if model.jnt_limited[k] else None,
@@ -446,26 +460,9 @@ class _Reader:
                 self.taken.add(name)
             else:
                 refuse(self.file, origin, f"<equality><{tag}> cannot be read", "write <connect>, <weld>, <joint> or <tendon>")
-        return list(by_name.values()), self._with_hinges(loops), relations
-
-    def _with_hinges(self, loops: list[Loop]) -> list[Loop]:
-        """The loops; two balls between the same two bodies whose points are equally far apart in both are one hinge."""
-        kept: list[Loop] = []
-        for loop in loops:
-            place = next((k for k, other in enumerate(kept) if _form_hinge(other, loop)), None)
-            if place is None:
-                kept.append(loop)
-                continue
-            first = kept[place]
-            (link1, place1), (link2, place2) = first.ends
-            rotation1, rotation2 = (
-                pin.Quaternion.FromTwoVectors(FIRST_AXIS, end.translation - start.translation).matrix()
-                for (_, start), (_, end) in zip(first.ends, loop.ends, strict=True)
-            )
-            ends = (link1, pin.SE3(rotation1, place1.translation)), (link2, pin.SE3(rotation2, place2.translation))
-            kept[place] = replace(first, type="revolute", ends=ends, axis=FIRST_AXIS)
-            self.remarks.append(remark("note", first.origin, f"together with {loop.name!r} it is a hinge", ""))
-        return kept
+        kept, merged = with_hinges(loops)
+        self.remarks += [remark("note", first.origin, f"together with {loop.name!r} it is a hinge", "") for first, loop in merged]
+        return list(by_name.values()), kept, relations
 
     def _turns_in(self, k: int) -> bool:
         """Whether a connect or weld lets its bodies turn; a weld with ``torquescale="0"`` is a connect."""
@@ -510,7 +507,7 @@ class _Reader:
         (scale, *_), others = [terms[follower]], {joint: value for joint, value in terms.items() if joint != follower}
         if not others:
             held = joints[follower]
-            place = held.place * _moved(held.type, held.axis, offset / scale)
+            place = held.place * Axis(held.axis, held.type == "revolute").step(offset / scale)
             joints[follower] = replace(held, type="fixed", place=place, limits=None, spring=None, armature=0.0)
         elif len(others) == 1:
             ((leader, value),) = others.items()
@@ -575,20 +572,6 @@ def _count(model: Any) -> int:
 def _values(model: Any, name: str) -> Array:
     """Numbers of a model; zeros where MuJoCo is older than they are."""
     return np.asarray(getattr(model, name, np.zeros(model.nv + model.ntendon + _count(model))))
-
-
-def _moved(kind: str, axis: Array, coordinate: float) -> pin.SE3:
-    """The step of a hinge or slide from zero to a coordinate."""
-    along = axis * coordinate
-    return pin.SE3(pin.exp3(along), np.zeros(3)) if kind == "revolute" else pin.SE3(np.eye(3), along)
-
-
-def _form_hinge(one: Loop, other: Loop) -> bool:
-    """Whether two balls hold the same two bodies at points that are equally far apart in both, so that they are a hinge."""
-    if (one.type, other.type) != ("spherical", "spherical") or [link for link, _ in one.ends] != [link for link, _ in other.ends]:
-        return False
-    apart = [float(np.linalg.norm(end.translation - start.translation)) for (_, start), (_, end) in zip(one.ends, other.ends, strict=True)]
-    return min(apart) > 0 and abs(apart[1] - apart[0]) <= 1e-9 * max(apart)  # else rounded points: a joint that yields a little
 
 
 def _rotation(quaternion: Array) -> Array:

@@ -19,10 +19,11 @@ from ...common.arguments import typed
 from ...common.errors import PinpressError, caution
 from ...common.quantities import Array
 from ...engines.constraints import LoopJoint, Relation
+from ...engines.mounting import limits
 from ..description import FREE
 from ..element import Element
 from ..linkage import Linkage
-from ..text import as_text, tag
+from ..text import as_text, opening, tag
 from .elements import make_unique
 
 WORLD = "world"
@@ -76,7 +77,7 @@ def mjcf(press: Linkage) -> Iterator[str]:
         "actuator": [tag("motor", {"name": name, "joint": name} | _effort(press, name)) for name in press.motors],
         "keyframe": [tag("key", {"name": "home", "qpos": as_text(tree.start(closed))})],
     }
-    yield _opening("mujoco", {"model": press.name})
+    yield opening("mujoco", {"model": press.name})
     yield "  <!-- Written by pinpress. SI units; qpos are the joint coordinates of pinpress. -->"
     yield '  <compiler angle="radian" autolimits="false" inertiafromgeom="false"/>'
     yield f"  {tag('option', {'gravity': as_text(press.model.gravity.linear)})}"
@@ -138,12 +139,12 @@ class _Tree:
         inside = indent if of_world else indent + "  "
         if not of_world:
             name = make_unique(first[0], {WORLD})
-            yield indent + _opening("body", {"name": name} | _place(self._placement(joint, self.drawn)))
+            yield indent + opening("body", {"name": name} | _place(self._placement(joint, self.drawn)))
             yield from (inside + line for line in (*_inertial(inertia, joint > 0, press), *self._joint(joint)))
         yield from (inside + line for line in (*_geoms(first[1]), *self.sites.get(joint, ())))
         for k, (name, element) in enumerate(welded):  # their inertias are in that of the body
             place = press.frame_of(name).placement
-            yield inside + _opening("body", {"name": make_unique(name, {WORLD})} | _place(place))
+            yield inside + opening("body", {"name": make_unique(name, {WORLD})} | _place(place))
             if of_world and k == 0:  # MuJoCo's world has no inertia
                 yield from (inside + "  " + line for line in _inertial(place.actInv(inertia), False, press))
             yield from (inside + "  " + line for line in _geoms(element))
@@ -162,10 +163,7 @@ class _Tree:
         """Placement of a body in its parent's at joint coordinates (nv,)."""
         place = pin.SE3.Identity()
         for each in self.chains.get(joint, ()):
-            axis = self.press.axes[each - 1]
-            along = axis.direction * x[each - 1]
-            step = pin.SE3(pin.exp3(along), np.zeros(3)) if axis.turns else pin.SE3(np.eye(3), along)
-            place = place * self.press.model.jointPlacements[each] * step
+            place = place * self.press.model.jointPlacements[each] * self.press.axes[each - 1].step(x[each - 1])
         return place
 
     def _joint(self, joint: int) -> Iterator[str]:
@@ -176,14 +174,12 @@ class _Tree:
         if len(self.chains[joint]) > 1:
             yield tag("freejoint", {"name": model.names[joint].removesuffix(FREE[-1])})
             return
-        axis, slot, name, at = press.axes[joint - 1], press.slots[joint - 1], str(model.names[joint]), joint - 1
+        axis, name, at = press.axes[joint - 1], str(model.names[joint]), joint - 1
         attributes = {"name": name, "type": "hinge" if axis.turns else "slide", "axis": as_text(axis.direction)}
         if self.drawn[at]:
             attributes["ref"] = as_text([self.drawn[at]])
-        if not slot.unbounded:
-            lower, upper = float(model.lowerPositionLimit[slot.start]), float(model.upperPositionLimit[slot.start])
-            if lower < upper and max(abs(lower), abs(upper)) < BOUND:
-                attributes |= {"limited": "true", "range": as_text([lower, upper])}
+        if np.abs(ends := [limit[at] for limit in limits(press.structure)]).max() < BOUND:
+            attributes |= {"limited": "true", "range": as_text(ends)}
         springs = [spring for spring in press.joint_springs if spring.joint == name]
         if stiffness := sum(spring.stiffness for spring in springs):
             slack = sum(spring.stiffness * spring.reference for spring in springs) / stiffness
@@ -310,7 +306,3 @@ def _quaternion(rotation: Array) -> list[float]:
     """w, x, y and z of a rotation matrix."""
     turned = pin.Quaternion(rotation)
     return [turned.w, turned.x, turned.y, turned.z]
-
-
-def _opening(name: str, attributes: dict[str, str]) -> str:
-    return tag(name, attributes).removesuffix("/>") + ">"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from ...common.errors import PinpressError, caution
 from ...common.quantities import Array
 from ..document import Document
 from ..linkage import Linkage
-from ..text import MOMENTS, as_text, tag
+from ..text import MOMENTS, as_text, opening, tag
 from ..writing import drawn_text
 from .elements import make_unique
 from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape
@@ -115,7 +116,7 @@ class _Writer:
         yield "<?xml version='1.0'?>"
         yield '<sdf version="1.11">'
         yield "  <!-- Written by pinpress. Joints are at zero in the pose of this file. SI units. -->"
-        yield f"  {tag('model', {'name': self.mechanism.name})[:-2]}>"
+        yield f"  {opening('model', {'name': self.mechanism.name})}"
         for link in self.mechanism.links:
             if link.name != WORLD:
                 yield from self._link(link)
@@ -128,13 +129,13 @@ class _Writer:
         for loop in self.mechanism.loops:
             yield from self._loop(loop)
         if self.drivers:
-            driven = "".join(f"<joint_name>{_escaped(name)}</joint_name>" for name in self.drivers)
+            driven = "".join(f"<joint_name>{escape(name)}</joint_name>" for name in self.drivers)
             yield f"    {tag('plugin', PLUGIN, driven)}"
         yield "  </model>"
         yield "</sdf>"
 
     def _link(self, link: Link) -> Iterator[str]:
-        yield f"    {tag('link', {'name': self.names[link.name]})[:-2]}>"
+        yield f"    {opening('link', {'name': self.names[link.name]})}"
         yield f"      {_pose(self.places[link.name])}"
         inertia = link.inertia
         if inertia is not None and inertia.mass:
@@ -150,7 +151,7 @@ class _Writer:
         yield "    </link>"
 
     def _bearing(self, name: str, kind: str, parent: str, child: str, content: str) -> Iterator[str]:
-        ends = f"<parent>{_escaped(self.names[parent])}</parent><child>{_escaped(self.names[child])}</child>"
+        ends = f"<parent>{escape(self.names[parent])}</parent><child>{escape(self.names[child])}</child>"
         yield f"    {tag('joint', {'name': name, 'type': kind}, ends + content)}"
 
     def _axis(self, joint: Joint) -> str:
@@ -207,12 +208,8 @@ def _visual(k: int, shape: Shape) -> str:
     values = dict(shape.attributes)
     if shape.tag == "mesh":
         values["uri"] = values.pop("filename", "").replace("package://", "model://")
-    geometry = tag(shape.tag, {}, "".join(f"<{name}>{_escaped(value)}</{name}>" for name, value in values.items()))
+    geometry = tag(shape.tag, {}, "".join(f"<{name}>{escape(value)}</{name}>" for name, value in values.items()))
     content = _pose(shape.place) + tag("geometry", {}, geometry)
     if shape.colour is not None:
         content += tag("material", {}, f"<diffuse>{as_text(shape.colour)}</diffuse>")
     return tag("visual", {"name": f"visual_{k}"}, content)
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from html import escape
 from typing import NoReturn
 
 from ...common.errors import PinpressError
@@ -43,7 +44,8 @@ def in_dialect(document: Document, dialect: str) -> bytes:
 def _urdf_plus_loop(loop: Loop) -> str:
     ends = zip(("predecessor", "successor"), loop.ends, strict=True)
     content = "".join(tag(side, {"link": link}, tag("origin", attributes_of_pose(place))) for side, (link, place) in ends)
-    return tag("loop", {"name": loop.name, "type": loop.type}, content + _axis(loop))
+    axis = "" if loop.axis is None else tag("axis", {"xyz": as_text(loop.axis)})
+    return tag("loop", {"name": loop.name, "type": loop.type}, content + axis)
 
 
 def _gazebo_loop(loop: Loop) -> str:
@@ -52,7 +54,7 @@ def _gazebo_loop(loop: Loop) -> str:
     axis = "" if loop.axis is None else f"<axis><xyz>{as_text(loop.axis)}</xyz></axis>"
     kind = "ball" if loop.type == "spherical" else loop.type
     pose = f"<pose>{as_text(place.translation)} {rpy}</pose>"
-    content = f"<parent>{_escaped(parent)}</parent><child>{_escaped(child)}</child>{pose}{axis}"
+    content = f"<parent>{escape(parent)}</parent><child>{escape(child)}</child>{pose}{axis}"
     return f"<gazebo>{tag('joint', {'name': loop.name, 'type': kind}, content)}</gazebo>"
 
 
@@ -65,10 +67,6 @@ def _drake_loop(loop: Loop) -> str:
     for body, point, (link, place) in zip("AB", ("AP", "BQ"), loop.ends, strict=True):
         content += tag(f"{BALL}_body_{body}", {"name": link}) + tag(f"{BALL}_p_{point}", {"value": as_text(place.translation)})
     return tag(BALL, {"name": loop.name}, content)
-
-
-def _axis(loop: Loop) -> str:
-    return "" if loop.axis is None else tag("axis", {"xyz": as_text(loop.axis)})
 
 
 def _write_couplings(text: Text, document: Document, mechanism: Mechanism) -> None:
@@ -101,7 +99,3 @@ def _coupling(document: Document, relation: Relation) -> str:
     ratio = tag("ratio", {"value": as_text([-by[ends[1]] / by[first]])})
     content = tag("predecessor", {"link": children[ends[1]]}) + tag("successor", {"link": children[ends[0]]}) + ratio
     return tag("coupling", {"name": f"{relation.name}_gear"}, content)
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;")
