@@ -125,7 +125,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
         start, rows = press.equations(closure.position[:, 0]), OneConfiguration(here).at(closure.position[:, 0])
         # Gaps change in proportion to displacements, as long as no joint moves.
         opened = target.at(closure.position[:, 0]).gaps - start.gaps
-        return replace(closure, first=PassiveJacobian(rows.columns, here.passive_joints, here.rank_tolerance).rates(-opened)[:, None])
+        return replace(closure, first=PassiveJacobian(rows.columns, here).rates(-opened)[:, None])
 
     def close_part_way(shares: Array, guesses: Array) -> Closure:
         return joined((close_at(float(share), guess[:, None]) for share, guess in zip(shares, guesses.T, strict=True)), len(shares))

@@ -9,14 +9,13 @@ contradict each other a little are fulfilled in the least-squares sense, at ever
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.quantities import Array
-from .structure import ZERO
+from .structure import ZERO, Structure
 
 
 def unit_columns(columns: Array, tolerance: float = ZERO) -> tuple[Array, Array]:
@@ -43,11 +42,10 @@ def ranks(values: Array, tolerance: float = ZERO) -> NDArray[np.intp]:
 
 
 class PassiveJacobian:
-    """The columns of the passive joints in a Jacobian (rows, nv), scaled to unit length, by their singular value decomposition;
-    ``tolerance``: `Structure.rank_tolerance`."""
+    """The columns of the passive joints in a Jacobian (rows, nv), scaled to unit length, by their singular value decomposition."""
 
-    def __init__(self, columns: Array, joints: Sequence[int], tolerance: float) -> None:
-        self.joints, self.count = list(joints), columns.shape[1]
+    def __init__(self, columns: Array, structure: Structure) -> None:
+        self.joints, self.count, tolerance = list(structure.passive_joints), columns.shape[1], structure.rank_tolerance
         self.scaled, self.lengths = unit_columns(columns[:, self.joints], tolerance)
         self.left, self.values, self.right = np.linalg.svd(self.scaled, full_matrices=True)
         self.rank = int(ranks(self.values, tolerance))

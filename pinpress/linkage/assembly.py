@@ -144,10 +144,9 @@ class Assembly:
             return can_move(self.engine.plane, self.drawn)
         if not np.isfinite(self.closed).all():
             return False
-        passive = self.structure.passive_joints
-        tolerance = self.structure.rank_tolerance
-        mobility = self.structure.model.nv - rank(self.rows.columns, tolerance)
-        return mobility == len(self.structure.drivers) and PassiveJacobian(self.rows.columns, passive, tolerance).rank == len(passive)
+        mobility = self.structure.model.nv - rank(self.rows.columns, self.structure.rank_tolerance)
+        passive = PassiveJacobian(self.rows.columns, self.structure)
+        return mobility == len(self.structure.drivers) and passive.rank == len(passive.joints)
 
     @property
     def redundant(self) -> bool:

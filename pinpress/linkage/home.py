@@ -144,7 +144,7 @@ def _chooses(press: Linkage, mounting: Mounting, named: Mapping[str, float], pos
 
 def _margin(press: Linkage, pose: Array) -> float:
     """How far a pose (nv,) is from locking: the least singular value of the columns of the passive joints."""
-    passive = PassiveJacobian(press.equations(pose).columns, press.structure.passive_joints, press.structure.rank_tolerance)
+    passive = PassiveJacobian(press.equations(pose).columns, press.structure)
     return float(passive.values.min(initial=1.0)) if len(passive.values) == len(passive.joints) else 0.0
 
 

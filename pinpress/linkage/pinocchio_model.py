@@ -18,9 +18,9 @@ from ..common.errors import PinpressError, UrdfError, caution, shown
 from ..common.quantities import Array
 from ..engines.constraints import Relation
 from .document import Document, Origin
-from .formats.elements import make_unique
+from .formats.elements import take
 from .formats.free_bodies import Base
-from .formats.mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, as_document, massless_link, with_hinges
+from .formats.mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, as_document, in_series, with_hinges
 from .formats.mechanism import Relation as NamedRelation
 from .linkage import Linkage
 from .loading import load_document
@@ -141,12 +141,7 @@ class _Reader:
         """Name of the link in whose frame the body of a joint lies: that of the first frame of a body there, else a new one."""
         bodies = [frame for frame in self.model.frames if frame.type == pin.BODY and frame.parentJoint == joint]
         at_joint = [frame.name for frame in bodies if np.array_equal(frame.placement.homogeneous, np.eye(4))]
-        return at_joint[0] if at_joint else self._new(f"{self.model.names[joint]}_link" if joint else "universe_link")
-
-    def _new(self, name: str) -> str:
-        name = make_unique(name, self.taken)
-        self.taken.add(name)
-        return name
+        return at_joint[0] if at_joint else take(f"{self.model.names[joint]}_link" if joint else "universe_link", self.taken)
 
     def _inertia(self, joint: int) -> Inertia | None:
         inertia = self.model.inertias[joint]
@@ -167,24 +162,23 @@ class _Reader:
             self.joints.append(Joint(name, "floating", parent, child, at, _X, origin))
             return
         parts = self._parts(name, kind)
-        for k, part in enumerate(parts):
-            last = k == len(parts) - 1
-            to = child if last else self._new(f"{name}{part.ending}_link")
-            self.joints.append(self._single(name + part.ending, part, parent, to, place * part.place, origin))
-            if not last:
-                self.links.append(massless_link(to, origin))
-            parent, place = to, _HERE
+        between = [take(f"{name}{part.ending}_link", self.taken) for part in parts[:-1]]
+        single = [self._single(name + part.ending, part, part.place if k else place * part.place, origin) for k, part in enumerate(parts)]
+        joints, links = in_series(single, parent, child, between)
+        self.joints += joints
+        self.links += links
         if kind.shortname() in _WITH_BALLS:
             self.balls.append(tuple(name + part.ending for part in parts[-3:]))
 
-    def _single(self, name: str, part: _Part, parent: str, child: str, place: pin.SE3, origin: Origin) -> Joint:
+    def _single(self, name: str, part: _Part, place: pin.SE3, origin: Origin) -> Joint:
+        """A joint of one coordinate, whose parent and child are still open."""
         model, v = self.model, part.v
         if len(part.q) == 1:
             self.home[name] = float(self.start[part.q[0]])
         elif part.q:
             cosine, sine = (self.start[k] for k in part.q)
             self.home[name] = float(np.arctan2(sine, cosine))
-        joint = Joint(name, part.type, parent, child, place, part.axis, origin)
+        joint = Joint(name, part.type, "", "", place, part.axis, origin)
         if part.follow is not None:
             leader, ratio, offset = part.follow
             joint = replace(joint, follow=Follow(leader, ratio, offset, origin))
@@ -278,7 +272,7 @@ class _Reader:
             of_weld = frame.type == pin.BODY and weld.type == pin.FIXED_JOINT and weld.name not in used
             if frame.type == pin.JOINT or frame.name in named or (frame.type == pin.FIXED_JOINT and frame.name in used):
                 continue
-            joint = str(weld.name) if of_weld else self._new(f"{frame.name}_weld")
+            joint = str(weld.name) if of_weld else take(f"{frame.name}_weld", self.taken)
             used.add(joint)
             named.add(frame.name)
             origin = _origin("frame", frame.name)
@@ -302,8 +296,7 @@ class _Reader:
             if not all(0 <= joint < self.model.njoints for joint in joints):
                 raise PinpressError(f"constraint {constraint.name!r} joins joints {joints}: {self.model.name} has {self.model.njoints}")
             names = [self.carried[joint] for joint in joints]
-            name = make_unique(constraint.name or f"loop_{names[0]}_{names[1]}", taken)
-            taken.add(name)
+            name = take(constraint.name or f"loop_{names[0]}_{names[1]}", taken)
             one, other = (
                 (link, pin.SE3(np.eye(3) if is_point else place.rotation, np.array(place.translation)))
                 for link, place in zip(names, (constraint.joint1_placement, constraint.joint2_placement), strict=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import html
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from xml.parsers import expat
 
@@ -100,10 +100,16 @@ def opening(name: str, attributes: Mapping[str, str]) -> str:
     return f"<{name}{_attributes(attributes)}>"
 
 
-def link_without_mass(name: str) -> str:
-    """A link between joints that stand for one joint, as text."""
-    inertia = tag("mass", {"value": "0"}) + tag("inertia", {moment: "0" for moment, _, _ in MOMENTS})
-    return tag("link", {"name": name}, tag("inertial", {}, inertia))
+def in_series(joints: Sequence[tuple[Mapping[str, str], str]], parent: str, child: str, between: Sequence[str], place: str) -> str:
+    """The joints, by their attributes and contents, that stand for one joint at a place, ``<origin>``, from its parent to its child; and
+    the links without mass between them, which have these names."""
+    massless = tag("mass", {"value": "0"}) + tag("inertia", {moment: "0" for moment, _, _ in MOMENTS})
+    elements = [tag("link", {"name": name}, tag("inertial", {}, massless)) for name in between]
+    ends = [parent, *between, child]
+    for k, (attributes, content) in enumerate(joints):
+        joined = tag("parent", {"link": ends[k]}) + tag("child", {"link": ends[k + 1]})
+        elements.append(tag("joint", attributes, joined + ("" if k else place) + content))
+    return "".join(elements)
 
 
 def as_text(numbers: Iterable[float]) -> str:

@@ -80,7 +80,7 @@ def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float
 
 def undetermined_joints(press: Linkage, rows: Rows) -> list[str]:
     """Names of the joints that can still move while the drivers stand still."""
-    passive = PassiveJacobian(rows.columns, press.structure.passive_joints, press.structure.rank_tolerance)
+    passive = PassiveJacobian(rows.columns, press.structure)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
 
@@ -99,10 +99,10 @@ def locking(press: Linkage, rows: Rows) -> list[Constraint]:
 def contradicting(press: Linkage) -> list[Constraint]:
     """The loops and gear pairs that a linkage with a misfit leaves open in its closed pose; where it happens to close there, those whose
     equations are redundant."""
-    rows, tolerance = press.assembly.rows, press.structure.rank_tolerance
+    rows = press.assembly.rows
     left = np.abs(rows.gaps)
     if left.max() < 0.1 * press.assembly.misfit:
-        left = np.linalg.norm(PassiveJacobian(rows.columns, press.structure.passive_joints, tolerance).idle, axis=1)
+        left = np.linalg.norm(PassiveJacobian(rows.columns, press.structure).idle, axis=1)
     return [each for each in constraints(press) if left[[*each.points, *each.turns]].max() > 0.1 * left.max()]
 
 
@@ -135,7 +135,7 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
         parts.append(part)
         owners += [each] * len(part)
     equations = np.vstack(parts) if parts else single
-    idle = PassiveJacobian(equations @ rows.columns, press.structure.passive_joints, press.structure.rank_tolerance).idle
+    idle = PassiveJacobian(equations @ rows.columns, press.structure).idle
     taking = [each for each, share in zip(owners, np.linalg.norm(idle, axis=1), strict=True) if share > TAKES_PART]
     return Redundancy(len(single) - len(equations), idle.shape[1], tuple(each for each in constraints(press) if each in taking))
 
@@ -174,7 +174,7 @@ def singular_value(columns: Array, index: int) -> float:
 def rates_of_drivers(press: Linkage) -> Array:
     """(nv, drivers) rates of all joints at a unit rate of each driver alone, in the closed drawn pose."""
     rows, drivers = press.assembly.rows, list(press.driver_indices)
-    passive = PassiveJacobian(rows.columns, press.structure.passive_joints, press.structure.rank_tolerance)
+    passive = PassiveJacobian(rows.columns, press.structure)
     rates = np.array([passive.rates(-rows.columns[:, driver]) for driver in drivers]).T
     rates[drivers] = np.eye(len(drivers))
     return rates

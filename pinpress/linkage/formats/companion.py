@@ -25,9 +25,9 @@ from ...common.reading.entries import LARGEST_FILE, Entry, FileKind, read_entrie
 from ..description import names
 from ..document import Document, Finding, Origin
 from ..element import Element
-from ..text import Text, as_text, link_without_mass, tag
+from ..text import Text, as_text, in_series, tag
 from .dialects import pose_of_origin
-from .elements import make_unique
+from .elements import take
 from .mechanism import UNLIMITED, ball_axes
 
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
@@ -118,8 +118,7 @@ class _Companion:
             kind.refuse(f"unknown type of a loop {kind.value!r}", "write 3d where points coincide, 6d where axes do too")
         frames = first.get("name"), second.get("name")
         common = "".join(one for one, _ in takewhile(lambda pair: pair[0] == pair[1], zip(*frames, strict=False)))
-        name = make_unique(common.rstrip("_-. ") or "_".join(frames), self.taken)
-        self.taken.add(name)
+        name = take(common.rstrip("_-. ") or "_".join(frames), self.taken)
         content = "".join(tag(f"link{k}", {"link": frame}) for k, frame in enumerate(frames, 1))
         self.text.insert(first, tag("loop_joint", {"name": name, "type": _LOOPS[word]}, content))
         self.origins[first.line, "loop_joint"] = Origin(f"<loop_joint name={name!r}> of {Path(pair.file).name}:{pair.line}", first.line)
@@ -145,17 +144,12 @@ class _Companion:
         """Write a hinge for each axis (k, 3) in place of a joint, with massless links between them."""
         name, parent, child = joint.get("name"), joint.of_child("parent", "link"), joint.of_child("child", "link")
         placed = "".join(tag("origin", origin.attributes) for origin in joint.all("origin")[:1])
-        pieces, hinges = [], [make_unique(f"{name}_{letter}", self.taken) for letter in letters]
-        self.taken.update(hinges)
-        for k, (hinge, axis) in enumerate(zip(hinges, axes, strict=True), 1):
-            to = child if k == len(hinges) else make_unique(f"{name}_{k}", self.taken)
-            if to != child:
-                self.taken.add(to)
-                pieces.append(link_without_mass(to))
-            ends = tag("parent", {"link": parent}) + tag("child", {"link": to}) + tag("axis", {"xyz": as_text(axis)})
-            pieces.append(tag("joint", {"name": hinge, "type": "continuous"}, ends + placed))
-            parent, placed = to, ""
-        self.text.replace(joint, "".join(pieces))
+        hinges = [take(f"{name}_{letter}", self.taken) for letter in letters]
+        between = [take(f"{name}_{k}", self.taken) for k in range(1, len(hinges))]
+        single = [
+            ({"name": hinge, "type": "continuous"}, tag("axis", {"xyz": as_text(axis)})) for hinge, axis in zip(hinges, axes, strict=True)
+        ]
+        self.text.replace(joint, in_series(single, parent, child, between, placed))
         origin = Origin(str(joint), joint.line)
         self.origins |= {(joint.line, "joint"): origin, (joint.line, "link"): origin}
         self.split.append(f"{name} ({', '.join(hinges)})")

@@ -38,8 +38,9 @@ from .elements import (
     refuse_unknown,
     refuse_unknown_attributes,
     remark,
+    take,
 )
-from .mechanism import TYPES_OF_LOOPS, Loop, Relation, loop_element, relation_element
+from .mechanism import TYPES_OF_LOOPS, Loop, Relation, loop_element, placements, relation_element
 
 BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "drake:linear_spring_damper"
 Said = Callable[[Element], str]
@@ -259,8 +260,7 @@ def _closing_frames(file: str, robot: Element, ends: Collection[str], taken: set
         if found[2] == "2" or pair[1] in ends:
             continue
         places = places or _places(file, robot)
-        loop = make_unique(found[1], taken)
-        taken.add(loop)
+        loop = take(found[1], taken)
         hinge = all(f"{end}_z" in places and end in places for end in pair)
         frames = [pin.SE3.Identity()] * 2
         if hinge:
@@ -338,19 +338,13 @@ def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) ->
 
 def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
     """Placements of the links in the root's frame, joints at zero, by their names."""
-    joints: dict[str, list[tuple[str, pin.SE3]]] = {}
-    for joint in robot.all("joint"):
-        for parent, child in zip(joint.all("parent"), joint.all("child"), strict=False):
-            joints.setdefault(parent.get("link"), []).append((child.get("link"), pose_of_origin(file, joint)))
-    children = {child for carried in joints.values() for child, _ in carried}
-    places = {link: pin.SE3.Identity() for link in names(robot, "link") if link not in children}
-    reached = list(places)
-    for link in reached:  # grows as it goes
-        for below, place in joints.get(link, ()):
-            if below not in places:
-                places[below] = places[link] * place
-                reached.append(below)
-    return places
+    joints = [
+        (parent.get("link"), child.get("link"), pose_of_origin(file, joint))
+        for joint in robot.all("joint")
+        for parent, child in zip(joint.all("parent"), joint.all("child"), strict=False)
+    ]
+    children = {child for _, child, _ in joints}
+    return placements((link for link in names(robot, "link") if link not in children), joints)
 
 
 def pose_of_origin(file: str, element: Element) -> pin.SE3:

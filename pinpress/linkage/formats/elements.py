@@ -108,6 +108,13 @@ def make_unique(name: str, taken: Collection[str]) -> str:
     return free
 
 
+def take(name: str, taken: set[str]) -> str:
+    """This name, or with a number behind it, which is taken from now on."""
+    name = make_unique(name, taken)
+    taken.add(name)
+    return name
+
+
 def pose_of(file: str, element: Element) -> pin.SE3:
     """The pose in an element's ``<pose>``, identity if it has none."""
     pose = find_child(file, element, "pose")

@@ -8,7 +8,7 @@ from ...common.errors import PinpressError, UrdfError, shown
 from ..description import FREE, Description, names
 from ..document import Document, Finding
 from ..element import Element
-from ..text import Text, as_text, link_without_mass, tag
+from ..text import Text, as_text, in_series, tag
 
 Base = Literal["fixed", "floating"]
 
@@ -73,14 +73,10 @@ def _has_mass(link: Element) -> bool:
 
 def _split(name: str, parent: str, child: str, place: dict[str, str]) -> str:
     """Six joints from parent to child, and the five links without mass between them, as text."""
-    between = [f"{name}{free}" for free in FREE]
-    elements: list[str] = []
-    for k, (joint, axis) in enumerate(zip(between, _AXES, strict=True)):
-        ends = tag("parent", {"link": parent if k == 0 else between[k - 1]}) + tag("child", {"link": joint if k < 5 else child})
-        origin = tag("origin", place) if k == 0 and place else ""
-        limit = tag("limit", {"lower": as_text([-FAR]), "upper": as_text([FAR]), "effort": "0", "velocity": "0"}) if k < 3 else ""
-        kind = "prismatic" if k < 3 else "continuous"
-        elements.append(tag("joint", {"name": joint, "type": kind}, ends + origin + tag("axis", {"xyz": axis}) + limit))
-        if k < 5:
-            elements.append(link_without_mass(joint))
-    return "".join(elements)
+    limit = tag("limit", {"lower": as_text([-FAR]), "upper": as_text([FAR]), "effort": "0", "velocity": "0"})
+    kinds = [("prismatic", limit)] * 3 + [("continuous", "")] * 3
+    single = [
+        ({"name": f"{name}{free}", "type": kind}, tag("axis", {"xyz": axis}) + limits)
+        for free, axis, (kind, limits) in zip(FREE, _AXES, kinds, strict=True)
+    ]
+    return in_series(single, parent, child, [f"{name}{free}" for free in FREE[:-1]], tag("origin", place) if place else "")

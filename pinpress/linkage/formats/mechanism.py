@@ -357,9 +357,30 @@ def attributes_of_pose(place: pin.SE3) -> dict[str, str]:
     return {"xyz": as_text(place.translation)} | ({"rpy": as_text(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
 
 
-def massless_link(name: str, origin: Origin) -> Link:
-    """A link between the joints that stand for one joint with several axes."""
-    return Link(name, Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin), (), origin)
+def in_series(joints: Sequence[Joint], parent: str, child: str, between: Sequence[str]) -> tuple[list[Joint], list[Link]]:
+    """The joints that stand for one joint with several coordinates, from its parent to its child, and the links without mass between them,
+    which have these names."""
+    ends = [parent, *between, child]
+    made = [replace(joint, parent=one, child=other) for joint, one, other in zip(joints, ends[:-1], ends[1:], strict=True)]
+    origins = [joint.origin for joint in joints[:-1]]
+    nothing = pin.SE3.Identity(), np.zeros((3, 3))
+    links = [Link(name, Inertia(0.0, *nothing, origin), (), origin) for name, origin in zip(between, origins, strict=True)]
+    return made, links
+
+
+def placements(roots: Iterable[str], joints: Iterable[tuple[str, str, pin.SE3]]) -> dict[str, pin.SE3]:
+    """Placements of roots, the identity, and of the links that joints carry from there at zero; joints by parent, child and place."""
+    carried: dict[str, list[tuple[str, pin.SE3]]] = {}
+    for parent, child, place in joints:
+        carried.setdefault(parent, []).append((child, place))
+    places = {root: pin.SE3.Identity() for root in roots}
+    reached = list(places)
+    for link in reached:  # grows as it goes
+        for child, place in carried.get(link, ()):
+            if child not in places:
+                places[child] = places[link] * place
+                reached.append(child)
+    return places
 
 
 def capsule(place: pin.SE3, radius: float, length: float, colour: Sequence[float] | None) -> tuple[Shape, ...]:

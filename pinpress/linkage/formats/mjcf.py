@@ -26,7 +26,7 @@ from ..document import Document, Finding, Origin
 from ..document import read as read_text
 from ..element import Element, tree
 from ..text import as_text
-from .elements import make_unique, refuse, remark
+from .elements import make_unique, refuse, remark, take
 from .mechanism import (
     Follow,
     Inertia,
@@ -39,7 +39,7 @@ from .mechanism import (
     Spring,
     as_document,
     capsule,
-    massless_link,
+    in_series,
     with_hinges,
 )
 
@@ -331,45 +331,40 @@ class _Reader:
                 end, other = (place for _, place in self._places(welds[body]))
                 place = end * other.inverse() if self._end_bodies(welds[body])[1] == body else other * end.inverse()
             given = self.hinges[self.free[body]].name if body in self.free else ""
-            name = given or _unique(f"{child}_{'free' if kind == 'floating' else 'fixed'}", self.taken)
+            name = given or take(f"{child}_{'free' if kind == 'floating' else 'fixed'}", self.taken)
             return [Joint(name, kind, parent, child, place, np.array([1.0, 0.0, 0.0]), self._body_origin(body))], []
         made: list[Joint] = []
-        links: list[Link] = []
         reached = np.zeros(3)  # origin of the last frame, in that of the body
         steps = [(k, axis, name) for k in joints for axis, name in self._axes(k)]
-        for step, (k, axis, name) in enumerate(steps):
-            last = step == len(steps) - 1
-            origin = self._origin(self.hinges[k], "joint", self.joint_names[k])
-            anchor = np.array(model.jnt_pos[k]) if self._turns(k) else reached
-            link = child if last else _unique(f"{child}_{step + 1}", self.links)
-            anchor = self._shift(body) if last else anchor
-            made.append(self._joint(k, name, axis, parent, link, place * pin.SE3(np.eye(3), anchor - reached), origin))
-            if not last:
-                links.append(massless_link(link, origin))
-            parent, place, reached = link, pin.SE3.Identity(), anchor
-        return made, links
+        for step, (k, axis, name) in enumerate(steps, 1):
+            anchor = self._shift(body) if step == len(steps) else np.array(model.jnt_pos[k]) if self._turns(k) else reached
+            made.append(self._joint(k, name, axis, place * pin.SE3(np.eye(3), anchor - reached)))
+            place, reached = pin.SE3.Identity(), anchor
+        return in_series(made, parent, child, [take(f"{child}_{step}", self.links) for step in range(1, len(steps))])
 
     def _axes(self, joint: int) -> list[tuple[Array, str]]:
         """Axes and names of the joints that stand for a joint: three for a ball."""
         name = self.joint_names[joint]
         if self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_BALL):
             return [(np.array(self.model.jnt_axis[joint]), name)]
-        names = [_unique(f"{name}_{axis}", self.taken) for axis in "xyz"]
+        names = [take(f"{name}_{axis}", self.taken) for axis in "xyz"]
         self.balls[joint] = tuple(names)
         problem = f"a ball joint is made of revolute joints: {', '.join(names)}"
         self.remarks.append(remark("note", self._origin(self.hinges[joint], "joint", name), problem, ""))
         return list(zip(np.eye(3), names, strict=True))
 
-    def _joint(self, k: int, name: str, axis: Array, parent: str, child: str, place: pin.SE3, origin: Origin) -> Joint:
+    def _joint(self, k: int, name: str, axis: Array, place: pin.SE3) -> Joint:
+        """A hinge or slide of a joint, whose parent and child are still open."""
         model, dof, kind = self.model, int(self.model.jnt_dofadr[k]), "revolute" if self._turns(k) else "prismatic"
+        origin = self._origin(self.hinges[k], "joint", self.joint_names[k])
         if k in self.balls:
-            return Joint(name, kind, parent, child, place, axis, origin, friction=float(model.dof_frictionloss[dof]))
+            return Joint(name, kind, "", "", place, axis, origin, friction=float(model.dof_frictionloss[dof]))
         spring, armature = self._spring(k, origin)
         return Joint(
             name,
             kind,
-            parent,
-            child,
+            "",
+            "",
             place * Axis(axis, kind == "revolute").step(-float(model.qpos0[model.jnt_qposadr[k]])),  # the body is drawn at ref
             axis,
             origin,
@@ -554,14 +549,7 @@ class _Reader:
 def _names(elements: Mapping[int, Any], tag: str, taken: set[str]) -> dict[int, str]:
     """Names of all elements; those without a name get one."""
     named_first = sorted(elements.items(), key=lambda item: (not item[1].name, item[0]))
-    return {k: _unique(element.name or f"{tag}_{k}", taken) for k, element in named_first}
-
-
-def _unique(name: str, taken: set[str]) -> str:
-    """A name that is not taken yet, which is taken now."""
-    name = make_unique(name, taken)
-    taken.add(name)
-    return name
+    return {k: take(element.name or f"{tag}_{k}", taken) for k, element in named_first}
 
 
 def _count(model: Any) -> int:

@@ -35,6 +35,7 @@ from .elements import (
     refuse_unknown,
     refuse_unknown_attributes,
     remark,
+    take,
 )
 from .mechanism import (
     TYPES_OF_LOOPS,
@@ -49,7 +50,7 @@ from .mechanism import (
     Spring,
     as_document,
     capsule,
-    massless_link,
+    in_series,
     spanning_tree,
 )
 
@@ -426,16 +427,11 @@ class _Reader:
 
     def _chain(self, bearing: _Bearing, parent: str, child: str, place: pin.SE3, axes: Array) -> tuple[list[Joint], list[Link]]:
         """Revolute joints in place of one that turns about several axes, and the links between them."""
-        origin, joints, links = origin_of(bearing.element), [], []
-        for k, axis in enumerate(axes):
-            last = k == len(axes) - 1
-            to = child if last else make_unique(f"{bearing.name}_{k + 1}", self.taken)
-            name = make_unique(f"{bearing.name}_{'xyz'[k]}", self.taken)
-            self.taken |= {to, name}
-            joints.append(Joint(name, "revolute", parent, to, place, axis, origin))
-            if not last:
-                links.append(massless_link(to, origin))
-            parent, place = to, pin.SE3.Identity()
+        origin, here = origin_of(bearing.element), pin.SE3.Identity()
+        between = [take(f"{bearing.name}_{k}", self.taken) for k in range(1, len(axes))]
+        names = [take(f"{bearing.name}_{letter}", self.taken) for letter in "xyz"[: len(axes)]]
+        single = [Joint(name, "revolute", "", "", here if k else place, axes[k], origin) for k, name in enumerate(names)]
+        joints, links = in_series(single, parent, child, between)
         if bearing.type == "ball":
             self.balls.append(tuple(joint.name for joint in joints))
         names = ", ".join(joint.name for joint in joints)

@@ -19,8 +19,8 @@ from ..document import Document
 from ..linkage import Linkage
 from ..text import MOMENTS, as_text, opening, tag
 from ..writing import drawn_text
-from .elements import make_unique
-from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape
+from .elements import make_unique, take
+from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape, placements
 from .sdf import ARMATURE, CLOSES, WORLD
 from .urdf import mechanism_of
 
@@ -62,7 +62,8 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     if damped := [joint.name for joint in mechanism.joints if joint.spring is not None and not joint.spring.stiffness]:
         problem = f"the damping of {', '.join(damped)} acts in Gazebo, and not in pinpress, which reads that of joints on springs alone"
         caution(f"{press.name}: {problem}; give it as friction={{joint: Friction(...)}}")
-    return files.write(path, ("\n".join(_Writer(mechanism, _places(drawn, press.root), press).lines()) + "\n").encode())
+    places = placements([press.root], ((joint.parent, joint.child, joint.place) for joint in drawn.joints))
+    return files.write(path, ("\n".join(_Writer(mechanism, places, press).lines()) + "\n").encode())
 
 
 def _is_odd(tensor: Array) -> bool:
@@ -106,8 +107,7 @@ class _Writer:
         taken = {joint.name for joint in mechanism.joints} | {loop.name for loop in mechanism.loops}
         self.names = {WORLD: WORLD}  # of links: in SDF they share names with joints
         for name in (link.name for link in mechanism.links if link.name != WORLD):
-            self.names[name] = make_unique(name if name not in taken else f"{name}_link", taken)
-            taken.add(self.names[name])
+            self.names[name] = take(name if name not in taken else f"{name}_link", taken)
             if self.names[name] != name:
                 caution(f"{press.name}: link {name!r} is called {self.names[name]!r} in SDF, because a joint has its name")
         self.held = make_unique(f"{self.root}_to_world", taken)
@@ -175,20 +175,6 @@ class _Writer:
         (parent, _), (child, place) = loop.ends
         axis = "" if loop.axis is None else tag("axis", {}, f"<xyz>{as_text(loop.axis)}</xyz>")
         yield from self._bearing(loop.name, TYPES[loop.type], parent, child, _pose(place) + axis + tag(CLOSES, {}))
-
-
-def _places(mechanism: Mechanism, root: str) -> dict[str, pin.SE3]:
-    """Places of all links in the model, joints at zero."""
-    carried: dict[str, list[Joint]] = {}
-    for joint in mechanism.joints:
-        carried.setdefault(joint.parent, []).append(joint)
-    places = {root: pin.SE3.Identity()}
-    reached = [root]
-    for link in reached:  # grows as it goes
-        for joint in carried.get(link, ()):
-            places[joint.child] = places[link] * joint.place
-            reached.append(joint.child)
-    return places
 
 
 def _pose(place: pin.SE3) -> str:
