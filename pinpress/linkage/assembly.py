@@ -91,8 +91,9 @@ class Assembly:
     @cached_property
     def others(self) -> tuple[dict[str, float], ...]:
         """Other closed poses with the drivers at home, those among 20 random starts, the nearest to the drawing first: each as the
-        coordinates of the one or two joints that tell it from the rest [rad or m], which ``load(..., pose=...)`` takes. At most 8. They are
-        sought when they are first asked for."""
+        coordinates of the one or two joints that tell it from the rest [rad or m]. With the drivers named beside them, as in
+        ``load(..., pose={"motor": 0.0} | others[0])``, they choose it; alone they leave the drivers free too. At most 8. They are sought
+        when they are first asked for."""
         return self._others[0]
 
     @property
