@@ -18,7 +18,7 @@ def five_bar():
 
 @pytest.fixture(scope="module")
 def around_a_lock(five_bar):
-    return pp.measures.workspace(five_bar, "rod_b", {"turn_b": (0.8, 1.4), "turn_a": (-1.4, -0.8)}, points=21)
+    return pp.measures.workspace(five_bar, "rod_b", {"turn_b": (0.8, 1.4), "turn_a": (-1.4, -0.8)}, points=13)
 
 
 def knees_apart(turn_a, turn_b):

@@ -145,6 +145,7 @@ def loaded(model, drivers, **more):
         return pp.from_pinocchio(model.model, model.constraints, drivers, model.q, **more)
 
 
+@pytest.mark.one_in(3)  # each case at least once
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize(("seed", "elsewhere"), [(0, False), (1, False), (2, True), (3, True)])
 def test_the_torque_is_that_of_the_model_with_multipliers(case, seed, elsewhere):

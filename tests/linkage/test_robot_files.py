@@ -19,7 +19,7 @@ def _waiting(case: Case) -> list[pytest.MarkDecorator]:
 def test_mobility_positions_and_torques_are_those_of_other_programs(case: Case) -> None:
     if case.path.suffix == ".xml":
         pytest.importorskip("mujoco")
-    press = pp.load(case.path, **case.load)
+    press = case.press
     assert press.mobility == case.mobility
     assert press.drivers == case.drivers
     at, speed, acceleration = ([values] if len(case.at) > 1 else values for values in (case.at, case.speed, case.acceleration))

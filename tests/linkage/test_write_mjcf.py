@@ -166,7 +166,7 @@ def test_random_linkages(spec):
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES])
 def test_small_robots(case, tmp_path):
-    press = pp.load(case.path, **case.load)
+    press = case.press
     raised = [f"{joint} inertia" for joint in press.joints] if "flat_inertia" in case.file else []
     options = {name: case.load[name] for name in {"base"} & case.load.keys()}
     compare(press, tmp_path, moved(press, case.at, case.speed, case.acceleration), raised=raised, **options)

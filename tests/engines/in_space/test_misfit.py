@@ -10,6 +10,7 @@ from support import texts
 from support.generators import random_linkages, random_scenes
 from support.generators.malformed_linkages import GOES, ROUNDED
 from support.generators.spatial_linkages import bennett, bricard, four_bar
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.engines.structure import configuration
@@ -106,6 +107,7 @@ def rounded(text, digits):
     return re.sub(r'<axis xyz="([^"]*)"/>', axis, text)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("digits", [4, 5, 6, 8])
 @pytest.mark.parametrize(
@@ -206,7 +208,7 @@ def held_twice(press):
 
 
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
-@pytest.mark.parametrize("seed", [11, 18, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(20, 40))])
+@pytest.mark.parametrize("seed", rest_exhaustive([11, 18, *range(20, 40)], 11))
 def test_random_linkages_with_each_pin_held_twice(seed):
     drawing = random_linkages.drawn(random_scenes.linkage_spec(np.random.default_rng(seed)))
     if drawing is None:

@@ -7,8 +7,11 @@ loops. Freedoms that no driver moves are free: the table has the accelerations t
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import pinpress as pp
 
 FOLDER = Path(__file__).parent
 
@@ -44,6 +47,11 @@ class Case:
     @property
     def path(self) -> Path:
         return FOLDER / self.file
+
+    @cached_property
+    def press(self) -> pp.Linkage:
+        """As `load` gives it; read-only, so that tests can share it and what it has found out."""
+        return pp.load(self.path, **self.load)
 
     @property
     def id(self) -> str:
