@@ -114,12 +114,19 @@ def _least_squares(one: OneConfiguration, structure: Structure, x: Array, misfit
         if not np.isfinite(left_open):
             return None
         if left_open <= 1e-15 or 0.5 * before < left_open < 1e-12:
-            surely = int(ranks(values, 30 * LARGEST))
-            return _Pose(x, gap, rows.columns, right[surely:].T / lengths[:, None])
+            return _Pose(x, gap, rows.columns, right[_surely(values) :].T / lengths[:, None])
         step = right[:r].T @ (size * closing / values[:r]) / lengths
         longest = float(np.abs(step / structure.lengths).max(initial=0.0))
         x, before = x - step * min(1.0, 0.5 / longest), left_open  # a longer step may lead to another assembly
     return None
+
+
+def _surely(values: Array) -> int:
+    """Number of the singular values (k,), largest first, before the first clear drop among those that may be false: small loops of a large
+    robot have small ones that count."""
+    most = int(ranks(values, 30 * LARGEST))
+    drops = np.flatnonzero(values[max(most, 1) - 1 : -1] > CLEAR * values[max(most, 1) :])
+    return max(most, 1) + int(drops[0]) if len(drops) else most
 
 
 def _widest(gaps: Array, loops: int) -> float:

@@ -16,6 +16,7 @@ from support.generators.spatial_crank_slide import SPATIAL
 
 import pinpress as pp
 from pinpress.engines.constraints import Curve, Relation
+from pinpress.kinematics.check import check
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -233,6 +234,19 @@ def test_names_of_second_points_are_not_those_of_other_bearings(tmp_path):
     model = mujoco.MjModel.from_xml_path(str(written(press, tmp_path)))
     assert [model.equality(k).name for k in range(model.neq)] == ["C", "C_axis_2"]
     compare(press, tmp_path)
+
+
+def test_an_arm_without_loops_in_its_keyframe_on_a_base_without_moments_of_inertia(tmp_path):
+    file = tmp_path / "arm.xml"
+    base = '<inertial pos="0.1 0 0" mass="2" diaginertia="0 0 0"/>'
+    arm = '<body name="arm"><joint name="A" axis="0 1 0"/><geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0.1"/></body>'
+    home = '<keyframe><key name="home" qpos="0.3"/></keyframe>'
+    file.write_text(
+        f'<mujoco><worldbody><body name="base">{base}{arm}</body></worldbody>{home}<actuator><motor joint="A"/></actuator></mujoco>'
+    )
+    compare(pp.load(file), tmp_path)
+    assert "arm.xml" in str(check(file))
+    assert not check(file).errors
 
 
 def test_a_cam_is_refused(tmp_path):

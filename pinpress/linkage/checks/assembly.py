@@ -493,7 +493,7 @@ def _outside_limits(press: Linkage) -> Iterator[Finding]:
 
 def assembly_in_words(press: Linkage) -> str:
     """How a linkage that is drawn open was closed, and which other assemblies there are; empty for the drawn pose."""
-    if not press.home:
+    if not press.home or not mobility.constraints(press):
         return ""
     widest = max(mobility.constraints(press), key=lambda each: each.gap(press.assembly.gaps))
     text = f"from {press.assembly.how}; as drawn {widest.title} is {opening_in_words(press, widest, press.assembly.gaps) or '0 mm'} apart"

@@ -77,22 +77,40 @@ def read(document: Document) -> Document:
 
 def _compile(mujoco: Any, document: Document) -> tuple[Any, Any, bool]:
     """MuJoCo's specification and model of a file; and whether meshes, height fields and textures were left out, because files are missing
-    and every body that moves has an inertia without them."""
+    and every body that moves has an inertia without them.
+
+    Raises:
+        UrdfError: the inertia of a body that moves comes from a mesh, and files are missing.
+    """
     spec = _parse(mujoco, document)
     try:
         return spec, spec.compile(), False
-    except (ValueError, RuntimeError):
+    except (ValueError, RuntimeError) as error:
         spec = _parse(mujoco, document)  # a failed compilation changes it
         drawn = [geom for geom in spec.geoms if geom.meshname or geom.hfieldname]
         assets = [*spec.meshes, *spec.hfields, *spec.textures, *spec.skins]
-        if not assets or not all(geom.parent.explicitinertial or not geom.parent.parent for geom in drawn):
+        if not assets or "opening file" not in str(error):
             raise
+        for body in (geom.parent for geom in drawn):
+            if not body.explicitinertial and any(each.joints for each in _upwards(body)):
+                reason = " ".join(str(error).split())
+                problem = f"the inertia of body {body.name!r} comes from a mesh, and MuJoCo cannot read it: {reason}"
+                raise UrdfError(
+                    document.file, f'<body name="{body.name}">', None, problem, "put the file there, or give each such body an <inertial>"
+                ) from error
         for material in spec.materials:
             for k in range(len(material.textures)):
                 material.textures[k] = ""
         for element in (*drawn, *assets):
             spec.delete(element)
         return spec, spec.compile(), True
+
+
+def _upwards(body: Any) -> Iterator[Any]:
+    """A body of a specification and those that carry it."""
+    while body:
+        yield body
+        body = body.parent
 
 
 def _refuse_odd_files(document: Document, root: Element, folder: Path, seen: set[Path]) -> None:

@@ -28,7 +28,7 @@ from .elements import make_unique
 
 WORLD = "world"
 DRAWN = 1e-9  # coordinates of the closed pose up to which bodies are drawn at zero: less is rounding of the file [rad or m]
-LEAST_MASS, LEAST_MOMENT = 1e-12, 1e-14  # of moving bodies, as MuJoCo refuses zeros [kg, kg m2]
+LEAST_MASS, LEAST_MOMENT = 1e-12, 1e-14  # of a body, as MuJoCo refuses zeros [kg, kg m2]
 STIFF = {"solref": "0.004 1", "solimp": "0.9999 0.9999 0.001 0.5 2"}  # of equalities: the least yielding that MuJoCo takes at its time step
 LEVER = 0.25  # distance of the second point of a hinge that closes a loop from its first, as a share of the linkage's size
 BOUND = 1e6  # limits from this on mean that there is none [rad, m, N or N m]
@@ -216,7 +216,7 @@ def _free_bodies(press: Linkage) -> Iterator[tuple[int, ...]]:
 
 def _inertial(inertia: pin.Inertia, moves: bool, press: Linkage) -> Iterator[str]:
     """The inertia of a body; one that moves has some, as MuJoCo demands."""
-    mass, tensor, least = float(inertia.mass), np.array(inertia.inertia), LEAST_MOMENT if moves else 0.0
+    mass, tensor, least = float(inertia.mass), np.array(inertia.inertia), LEAST_MOMENT
     if not moves and not mass:
         return
     moments, ways = np.linalg.eigh(tensor)
