@@ -87,7 +87,7 @@ def joint_efforts(press: "Linkage", engine: Engine, states: ClosedStates) -> Arr
     efforts = -armature[:, None] * states.a
     for spring in press.joint_springs:
         joint = press.joints.index(spring.joint)
-        efforts[joint] -= spring.stiffness * (states.position[joint] - spring.reference) + spring.damping * states.v[joint]
+        efforts[joint] += spring.effort(states.position[joint], states.v[joint])
     return np.asarray(efforts)
 
 

@@ -13,6 +13,7 @@ from functools import cached_property
 
 from ..common.arguments import LARGEST
 from ..common.parameters import Checked, parameter
+from ..common.quantities import Values
 from .element import Element
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
@@ -103,6 +104,10 @@ class JointSpring(Checked):
     stiffness: float = field(default=0.0, metadata=parameter("N m/rad", "not negative"))
     reference: float = field(default=0.0, metadata=parameter("rad"))
     damping: float = field(default=0.0, metadata=parameter("N m s/rad", "not negative"))
+
+    def effort(self, coordinate: Values, rate: Values) -> Values:
+        """The effort at a coordinate [rad or m] and its rate [rad/s or m/s]: numbers or (n,) [N m; of a joint that slides N]."""
+        return self.stiffness * (self.reference - coordinate) - self.damping * rate
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def mount(press: Linkage, pose: Mapping[str, float] | None = None) -> Linkage:
             return replace(press, home=tuple(chosen.tolist()), mounted=rung.how)
     ladder: list[Iterable[_Rung]] = [_near(press, home, POSE)]
     if not home:
-        ladder = [(*_near(press, of_file, HOME), *_as_drawn(press)), _anywhere(press, mounting), _outside_limits(press)]
+        ladder = [(*_near(press, of_file, HOME), *_as_drawn(press)), _anywhere(press, mounting), _as_drawn(press, limited=False)]
     best, how = _climb(mounting, ladder)
     if home and best.misfit > ROUNDED:
         gap = 1e3 * best.misfit * press.size
@@ -178,20 +178,20 @@ def _near(press: Linkage, pose: Mapping[str, float], how: str) -> tuple[_Rung, .
         start[places[name]] = value
     drivers = [joint for joint in named if joint in press.driver_indices]
     tried = [("as it stands", named), *([("with the drivers held", drivers)] if drivers else []), ("with all joints free", ())]
-    inside = [_Rung(f"{how} {said}", start, held) for said, held in tried]
-    return (*inside, *(_Rung(f"{how} {said}, outside limits", start, held, limited=False) for said, held in tried))
+    ways = (("", True), (", outside limits", False))
+    return tuple(_Rung(f"{how} {said}{beyond}", start, held, limited) for beyond, limited in ways for said, held in tried)
 
 
-def _as_drawn(press: Linkage) -> Iterator[_Rung]:
-    """Rungs from the drawn pose."""
-    start = press.assembly.start
-    if within(press.structure, start)[list(press.driver_indices)].all():
-        yield _Rung("the drawn pose with the drivers held", start, press.driver_indices)
-    yield _Rung("the drawn pose with all joints free", start, ())
+def _as_drawn(press: Linkage, limited: bool = True) -> Iterator[_Rung]:
+    """Rungs from the drawn pose, within limits or without."""
+    start, beyond = press.assembly.start, "" if limited else ", outside limits"
+    if not limited or within(press.structure, start)[list(press.driver_indices)].all():
+        yield _Rung(f"the drawn pose with the drivers held{beyond}", start, press.driver_indices, limited)
+    yield _Rung(f"the drawn pose with all joints free{beyond}", start, (), limited)
 
 
 def _anywhere(press: Linkage, mounting: Mounting) -> Iterator[_Rung]:
-    """Rungs from poses that nobody named, and at last without limits."""
+    """Rungs from poses that nobody named."""
     start, finite = press.assembly.start, np.isfinite(mounting.lower) & np.isfinite(mounting.upper)
     middle = start.copy()
     middle[finite] = 0.5 * (mounting.lower[finite] + mounting.upper[finite])
@@ -200,10 +200,3 @@ def _anywhere(press: Linkage, mounting: Mounting) -> Iterator[_Rung]:
     for k in range(STARTS):
         away = (0.3 + 2.7 * k / STARTS) * random.uniform(-1.0, 1.0, len(start)) * mounting.lengths
         yield _Rung(f"random start {k + 1} with all joints free", (start, middle)[k % 2] + away, ())
-
-
-def _outside_limits(press: Linkage) -> Iterator[_Rung]:
-    """Rungs from the drawn pose, without limits."""
-    start = press.assembly.start
-    yield _Rung("the drawn pose with the drivers held, outside limits", start, press.driver_indices, limited=False)
-    yield _Rung("the drawn pose with all joints free, outside limits", start, (), limited=False)

@@ -32,6 +32,7 @@ from .description import JointSpring
 from .document import Document, Finding
 from .driving.drivers import settle
 from .element import Element
+from .formats.mechanism import home_element
 from .formats.urdf_writer import DIALECTS, in_dialect
 from .home import closed_as_drawn, mount
 from .linkage import Linkage
@@ -435,8 +436,7 @@ def _edit_home(text: Text, before: Mapping[str, float], now: Mapping[str, float]
     for element in text.robot.all("home"):
         text.remove(element)
     if now:
-        joints = (tag("joint", {"name": name, "position": as_text([position])}) for name, position in now.items())
-        text.append(text.robot, tag("home", {}, "".join(joints)))
+        text.append(text.robot, home_element(now))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- inertias

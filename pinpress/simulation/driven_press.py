@@ -28,7 +28,6 @@ from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import slide_at
 from ..kinematics.motion import Motion
 from ..kinematics.poses import point_motion
-from ..linkage.description import JointSpring
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
@@ -533,7 +532,7 @@ def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[lis
     coordinates: list[Coordinate] = [] if press.slide is None else [JointPosition(*press.slide_guide)]
     forces: list[GeneralizedForce] = []
     for spring in press.joint_springs:
-        in_joint = (ForceInterval(math.inf, -math.inf, partial(_joint_spring_force, spring), heeds_velocity=bool(spring.damping)),)
+        in_joint = (ForceInterval(math.inf, -math.inf, spring.effort, heeds_velocity=bool(spring.damping)),)
         forces.append(GeneralizedForce(len(coordinates), 0.0, in_joint, in_joint))
         coordinates.append(JointPosition(press.joints.index(spring.joint)))
     for load in loads:
@@ -586,10 +585,6 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
 
 def _constant_one(position: Any, velocity: Any) -> Any:
     return position * 0.0 + 1.0
-
-
-def _joint_spring_force(spring: JointSpring, position: Any, rate: Any) -> Any:
-    return spring.stiffness * (spring.reference - position) - spring.damping * rate
 
 
 def _spring_force(spring: SpringDamper, length: Any, rate: Any) -> Any:

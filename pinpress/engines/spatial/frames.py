@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..body_motion import cross
+from ..structure import joints_between
 from .bodies import Placements, motion_axes, placements
 from .closing import PassiveColumns
 from .equations import Equations, Loops, equations
@@ -39,12 +40,8 @@ class Frame(NamedTuple):
     def columns(self, loops: Loops, placed: Placements) -> Array:
         """(6, nv, n) velocity of the origin and angular velocity, world axes, at a unit rate of every joint of the open tree."""
         bodies, n = loops.bodies, placed.origin.shape[-1]
-        result, joint = np.zeros((6, len(bodies.parents), n)), self.joint
-        if joint:
-            carrying = []
-            while joint:
-                carrying.append(joint - 1)
-                joint = bodies.parents[joint - 1]
+        result = np.zeros((6, len(bodies.parents), n))
+        if carrying := list(joints_between(loops.structure.parents, -1, self.joint - 1)):
             axes = motion_axes(bodies, placed)[carrying]
             at = placed.point(self.joint, self.point)
             result[:3, carrying] = (axes[:, 1] + cross(axes[:, 0], at[None])).swapaxes(0, 1)

@@ -92,7 +92,7 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
     problem = f"mobility is {freedom}, but {drive}"
     if freedom > len(press.drivers):
-        problem += f": with {_joints(press.drivers)} held still, {_joints(mobility.undetermined_joints(press, rows))} can move"
+        problem += f": with {_named(press.drivers)} held still, {_named(mobility.undetermined_joints(press, rows))} can move"
         read = ((each, _read_otherwise(press, each)) for each in mobility.constraints(press))
         exchanged = next((f"{each.title}: {likely}" for each, likely in read if likely), None)
         remedy = _without_axis(press) or exchanged or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
@@ -158,7 +158,7 @@ def _change_point(press: Linkage, rows: Rows, in_file: bool) -> Finding:
     if not mobility.is_shaky(press):
         remedy += _choice(press, in_file)
     else:
-        moving = _joints(mobility.undetermined_joints(press, rows))
+        moving = _named(mobility.undetermined_joints(press, rows))
         problem = f"its loops hold {moving} only at second order, in this pose and beside it: it is shaky, and no forces follow"
         remedy = "another pose does not help: change lengths or guides that are equal or parallel, or leave out a link"
     smallest = mobility.singular_value(rows.columns, press.model.nv - len(press.drivers) - 1)
@@ -235,8 +235,8 @@ def _dead_point(press: Linkage, rows: Rows, in_file: bool) -> Iterator[Finding]:
     values = singular_values(columns)
     if rank(columns, press.structure.rank_tolerance) == columns.shape[1]:
         return
-    problem = f"{_joints(press.drivers)} {'does' if len(press.drivers) == 1 else 'do'} not determine the drawn pose"
-    free = _joints(mobility.undetermined_joints(press, rows))
+    problem = f"{_named(press.drivers)} {'does' if len(press.drivers) == 1 else 'do'} not determine the drawn pose"
+    free = _named(mobility.undetermined_joints(press, rows))
     remedy = (
         _without_axis(press)
         or f"draw the linkage away from its dead point ({free} can move with the driver held still){_choice(press, in_file)}"
@@ -275,8 +275,8 @@ def _robot(press: Linkage) -> str:
     return press.document.called("robot", press.name)
 
 
-def _joints(names: Sequence[str]) -> str:
-    return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
+def _named(names: Sequence[str], word: str = "joint") -> str:
+    return f"{word} {names[0]!r}" if len(names) == 1 else f"{word}s {', '.join(map(repr, names))}"
 
 
 def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Iterator[Finding]:
@@ -359,7 +359,7 @@ def _undriven(press: Linkage) -> Iterator[Finding]:
     for kind in ("spin", "swing"):
         if not (spins := [each for each in press.freedoms if each.kind == kind]):
             continue
-        they, held = "; ".join(map(_spin_in_words, spins)), f"held, with {_joints([each.joints[0] for each in spins])} as in the home pose"
+        they, held = "; ".join(map(_spin_in_words, spins)), f"held, with {_named([each.joints[0] for each in spins])} as in the home pose"
         if kind == "spin":
             problem = f"{they}: no driver determines that"
             yield Finding("note", robot, None, problem, f"this is {held}: forces of slender links do not depend on it")
@@ -368,7 +368,7 @@ def _undriven(press: Linkage) -> Iterator[Finding]:
             remedy = "put centres of mass on the lines, or make one of two ball joints a universal one, of two pins"
             yield Finding("warning", robot, None, problem, f"this is {held}; {remedy}")
     if free := [each.joints[0] for each in press.freedoms if each.kind == "passive"]:
-        problem = f"no driver moves {_joints(free)}: {', '.join(press.motors) or 'what drives'} leaves {len(free)} free"
+        problem = f"no driver moves {_named(free)}: {', '.join(press.motors) or 'what drives'} leaves {len(free)} free"
         remedy = "it is free, as a passive coordinate" if len(free) == 1 else "they are free, as passive coordinates"
         remedy += "; if that is not meant, a driver or a <loop_joint> is missing"
         yield Finding("warning", robot, None, problem, remedy)
@@ -386,13 +386,9 @@ def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
 
 
 def _spin_in_words(spin: Freedom) -> str:
-    those, own = _links(spin.bodies), "its" if len(spin.bodies) == 1 else "their"
+    those, own = _named(spin.bodies, "link"), "its" if len(spin.bodies) == 1 else "their"
     off = f"a line {_short(1e3 * (spin.eccentricity or 0.0))} mm from" if spin.kind == "swing" else "the line of bearings through"
     return f"{those} can spin about {off} {own} centre of mass"
-
-
-def _links(names: Sequence[str]) -> str:
-    return f"link {names[0]!r}" if len(names) == 1 else f"links {', '.join(map(repr, names))}"
 
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:

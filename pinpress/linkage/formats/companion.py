@@ -64,7 +64,8 @@ class _Companion:
         self.taken = {*self.links, *self.joints, *names(self.robot, "loop_joint")}
         self.origins: dict[tuple[int, str], Origin] = {}
         self.split: list[str] = []  # joints that are made of several, and these
-        self.remarks = [self._remark(entry, "it is not read" + suggestion(key, _KEYS)) for key, entry in self._unknown()]
+        unknown = ((key, entry) for key, entry in self.entries.items() if key not in _KEYS)
+        self.remarks = [self._remark(entry, "it is not read" + suggestion(key, _KEYS)) for key, entry in unknown]
 
     def document(self) -> Document:
         retyped: set[str] = set()
@@ -81,9 +82,6 @@ class _Companion:
             self._close(pair, kind)
         self._drive(retyped)
         return Document(self.before.file, self.text.edited(), self.origins, (*self.before.remarks, *self.remarks))
-
-    def _unknown(self) -> list[tuple[str, Entry]]:
-        return [(key, entry) for key, entry in self.entries.items() if key not in _KEYS]
 
     def _remark(self, entry: Entry, problem: str, severity: str = "warning", remedy: str = "correct or remove it") -> Finding:
         return Finding(severity, f"{Path(entry.file).name}:{entry.line}: {': '.join(entry.path)}", None, problem, remedy)

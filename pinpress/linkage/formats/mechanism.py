@@ -254,8 +254,7 @@ def as_document(file: str, mechanism: Mechanism, source: str) -> Document:
     lines += [(f"  {relation_element(relation)}", "relation", relation.origin) for relation in mechanism.relations]
     lines += [(f"  {loop_element(loop)}", "loop_joint", loop.origin) for loop in mechanism.loops]
     if home := _home(mechanism, joints):
-        content = "".join(tag("joint", {"name": name, "position": as_text([position])}) for name, position in home.items())
-        lines.append((f"  {tag('home', {}, content)}", "home", mechanism.origin))
+        lines.append((f"  {home_element(home)}", "home", mechanism.origin))
     for name, origin in mechanism.drivers:
         lines.append((f"  {tag('transmission', {'name': f'{name}_drive'}, tag('joint', {'name': name}))}", "transmission", origin))
     lines.append(("</robot>", "", mechanism.origin))
@@ -332,6 +331,11 @@ def _home(mechanism: Mechanism, joints: Sequence[Joint]) -> dict[str, float]:
         else:
             home[name] = float(position)
     return home if any(home.values()) else {}
+
+
+def home_element(home: Mapping[str, float]) -> str:
+    """The ``<home>`` of coordinates by the names of joints."""
+    return tag("home", {}, "".join(tag("joint", {"name": name, "position": as_text([position])}) for name, position in home.items()))
 
 
 def relation_element(relation: Relation) -> str:

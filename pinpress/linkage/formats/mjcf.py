@@ -152,19 +152,17 @@ class _Reader:
         self.included = bool(_all(document.robot, "include"))
         self.remarks: list[Finding] = []
         self.balls: dict[int, tuple[str, ...]] = {}
-        self.bodies = self._by_id(spec.bodies)
-        self.hinges = self._by_id(spec.joints)
-        self.equalities = self._by_id(spec.equalities)
+        self.bodies = _by_id(spec.bodies)
+        self.hinges = _by_id(spec.joints)
+        self.equalities = _by_id(spec.equalities)
         self.taken: set[str] = set()  # names of joints and loops
         self.links: set[str] = set()  # names of links
         self.joint_names = _names(self.hinges, "joint", self.taken)
         self.body_names = _names(self.bodies, "body", self.links)
         self.free = {int(model.jnt_bodyid[k]): k for k in range(model.njnt) if model.jnt_type[k] == int(package.mjtJoint.mjJNT_FREE)}
-        self.start = model.key_qpos[self._keyframe()] if model.nkey else model.qpos0
+        home = int(package.mj_name2id(model, int(package.mjtObj.mjOBJ_KEY), "home"))  # -1 without a keyframe of that name
+        self.start = model.key_qpos[max(home, 0)] if model.nkey else model.qpos0
         self.drivers = dict(self._drivers())
-
-    def _by_id(self, elements: Any) -> dict[int, Any]:
-        return {int(element.id): element for element in elements}
 
     def _origin(self, element: Any, tag: str, name: str) -> Origin:
         """Origin of an element, as far as MuJoCo knows it: with several files it does not know which one."""
@@ -200,11 +198,6 @@ class _Reader:
             {name: position for name, position in self._home() if name not in fixed},
         )
 
-    def _keyframe(self) -> int:
-        """Index of the keyframe "home", else 0."""
-        home = self.mujoco.mj_name2id(self.model, int(self.mujoco.mjtObj.mjOBJ_KEY), "home")
-        return max(int(home), 0)
-
     def _home(self) -> Iterator[tuple[str, float | Array]]:
         """Coordinates of hinges and slides at the start, and rotations of balls by the names of their first hinges."""
         for k, adr in enumerate(self.model.jnt_qposadr):
@@ -233,7 +226,7 @@ class _Reader:
         """
         welds: dict[int, int] = {}
         joined: set[int] = set()
-        for k in filter(self._is_loop, self._active()):
+        for k in filter(self._is_loop, np.flatnonzero(self.model.eq_active0).tolist()):
             ends = self._end_bodies(k)
             joined |= {int(self.model.body_rootid[body]) for body in ends}
             if 0 in ends and max(ends) in self.free and not self._turns_in(k):
@@ -430,18 +423,11 @@ class _Reader:
 
     # -------------------------------------------------------------------------------------------------------------------------- equalities
 
-    def _active(self) -> list[int]:
-        return [k for k in range(self.model.neq) if self.model.eq_active0[k]]
-
     def _is_loop(self, k: int) -> bool:
         return self.model.eq_type[k] in (int(self.mujoco.mjtEq.mjEQ_CONNECT), int(self.mujoco.mjtEq.mjEQ_WELD))
 
-    def _ends(self, k: int) -> tuple[str, str]:
-        """Names of the two bodies of a connect or weld."""
-        one, two = (self.body_names[body] for body in self._end_bodies(k))
-        return one, two
-
     def _end_bodies(self, k: int) -> tuple[int, int]:
+        """The two bodies of a connect or weld."""
         one, two = int(self.model.eq_obj1id[k]), int(self.model.eq_obj2id[k])
         if self._by_sites(k):
             return int(self.model.site_bodyid[one]), int(self.model.site_bodyid[two])
@@ -458,7 +444,7 @@ class _Reader:
         tags = {int(getattr(self.mujoco.mjtEq, f"mjEQ_{tag.upper()}")): tag for tag in ("connect", "weld", "joint", "tendon")}
         for k, element in sorted(self.equalities.items()):
             tag = tags.get(int(self.model.eq_type[k]), "flex")
-            ends = "_".join(self._ends(k)) if self._is_loop(k) else str(k)
+            ends = "_".join(self.body_names[body] for body in self._end_bodies(k)) if self._is_loop(k) else str(k)
             name = make_unique(element.name or f"{tag}_{ends}", self.taken)  # taken only by what is read
             origin = self._origin(element, tag, name)
             if not self.model.eq_active0[k]:
@@ -562,6 +548,10 @@ class _Reader:
         if loads:
             problem = f"actuators that act on no hinge or slide are not read: {', '.join(loads)}"
             self.remarks.append(remark("warning", self.root, problem, "drive joints, or give the forces as loads"))
+
+
+def _by_id(elements: Any) -> dict[int, Any]:
+    return {int(element.id): element for element in elements}
 
 
 def _names(elements: Mapping[int, Any], tag: str, taken: set[str]) -> dict[int, str]:
