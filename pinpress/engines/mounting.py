@@ -102,7 +102,7 @@ class Mounting:
 
     def without_turns(self, position: Array) -> Array:
         """A pose (nv,) without the whole turns that joints without limits, but those of relations, have made from the zeros of the file."""
-        turning = np.array([axis.turns for axis in self.structure.axes]) & np.isinf(self.lower) & np.isinf(self.upper)
+        turning = self.structure.turns & np.isinf(self.lower) & np.isinf(self.upper)
         turning[[joint for relation in self.structure.relations for joint in relation.joints]] = False
         turns = np.round(position / (2 * np.pi))
         return np.asarray(np.where(turning, position - 2 * np.pi * turns, position))
@@ -110,8 +110,7 @@ class Mounting:
     def apart(self, one: Array, other: Array) -> Array:
         """Distances (nv,) of the joints in two poses (nv,), those of angles without whole turns [rad, lengths of the linkage]."""
         away = (one - other) / self.lengths
-        turns = [axis.turns for axis in self.structure.axes]
-        return np.asarray(np.abs(np.where(turns, np.remainder(away + np.pi, 2 * np.pi) - np.pi, away)))
+        return np.asarray(np.abs(np.where(self.structure.turns, np.remainder(away + np.pi, 2 * np.pi) - np.pi, away)))
 
     def told_apart(self, poses: Sequence[Array], count: int, able: Sequence[int]) -> list[dict[str, float]]:
         """The first ``count`` of several poses (nv,) by the one or two joints, of those that are ``able``, that tell each from all others:

@@ -75,9 +75,14 @@ class Structure:
         return max(SMALLEST_MARGIN, self.rank_tolerance)
 
     @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """(nv,) whether a joint turns."""
+        return np.array([axis.turns for axis in self.axes], dtype=bool)
+
+    @cached_property
     def lengths(self) -> Array:
         """(nv,) what counts as 1 rad of each joint [rad or m]."""
-        return np.array([1.0 if axis.turns else self.size for axis in self.axes])
+        return np.where(self.turns, 1.0, self.size)
 
     @cached_property
     def parents(self) -> tuple[int, ...]:

@@ -9,7 +9,6 @@ from typing import Any
 from ..balancing.problem import Target
 from ..common.arguments import read_quantity
 from ..common.errors import FileEntryError, PinpressError, suggestion
-from ..common.quantities import RPM
 from ..common.reading.entries import Entry, FileKind
 from ..common.reading.filling import (
     Around,
@@ -446,4 +445,3 @@ SECTIONS: Mapping[str, Section] = {
         "variants: {long_stroke: {r: 150}, hard_steel: {loads.draw.force: 1900 kN}}",
     ),
 }
-DEFAULT_SPEED = 60 * RPM

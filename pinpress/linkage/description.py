@@ -236,6 +236,11 @@ def names(robot: Element, tag: str) -> list[str]:
     return [name for element in robot.all(tag) if (name := element.get("name"))]
 
 
+def has_mass(link: Element) -> bool:
+    """Whether a link has a mass of its own."""
+    return any(mass.number("value", 0.0) > 0.0 for inertial in link.all("inertial") for mass in inertial.all("mass"))
+
+
 def _joint(joint: Element) -> Joint:
     kind, limits, mimic = joint.get("type"), None, None
     for limit in joint.all("limit") if kind in ("revolute", "prismatic") else ():

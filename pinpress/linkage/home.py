@@ -118,9 +118,7 @@ def nearby(press: Linkage) -> list[dict[str, float]]:
     found: list[dict[str, float]] = []
     for way in (1.0, -1.0):
         start = press.closed.copy()
-        start[drivers] += (
-            way * BESIDE * mounting.lengths[drivers] * np.where(np.array([axis.turns for axis in press.axes])[drivers], 1.0, 0.1)
-        )
+        start[drivers] += (way * BESIDE * mounting.lengths * np.where(press.structure.turns, 1.0, 0.1))[drivers]
         if not able or len(poses := mounting.assemblies(start, drivers, 2 * BESIDE)[:MOST_LISTED]) <= len(found):
             continue
         of_drivers = {name: float(start[j]) for name, j in zip(press.drivers, drivers, strict=True)}

@@ -505,7 +505,7 @@ class Linkage(Frozen):
     def advancing(self) -> NDArray[np.bool_]:
         """(nv,) which joints of a linkage with one driver slide on in every period, as on a screw or a rack, and do not come back."""
         walked = self.branch_through_change_points
-        slides = np.array([not axis.turns for axis in self.axes])
+        slides = ~self.structure.turns
         return slides & (np.abs(walked.gain_per_period) > 1e-9 * self.size) & (walked.period is not None)  # less is rounding
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:

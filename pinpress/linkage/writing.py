@@ -33,6 +33,7 @@ from .document import Document, Finding
 from .driving.drivers import settle
 from .element import Element
 from .formats.mechanism import home_element
+from .formats.urdf import inertia_of
 from .formats.urdf_writer import DIALECTS, in_dialect
 from .home import closed_as_drawn, mount
 from .linkage import Linkage
@@ -493,14 +494,8 @@ def _inertial(inertia: pin.Inertia) -> str:
 
 def _inertia(inertial: Element) -> pin.Inertia:
     """The inertia of an ``<inertial>``, in the link's frame."""
-    tensor = np.empty((3, 3))
-    for name, i, j in MOMENTS:
-        tensor[i, j] = tensor[j, i] = inertial.all("inertia")[0].numbers(name)[0]
-    place = pin.SE3.Identity()
-    for origin in inertial.all("origin"):
-        xyz, rpy = (np.array(origin.numbers(name) or (0.0, 0.0, 0.0)) for name in ("xyz", "rpy"))
-        place = pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
-    return _move(_body(inertial.all("mass")[0].numbers("value")[0], np.zeros(3), tensor), place)
+    read = inertia_of(inertial)
+    return _move(_body(read.mass, np.zeros(3), read.tensor), read.place)
 
 
 def _rest(total: pin.Inertia, others: Iterable[tuple[pin.Inertia, pin.SE3]], place: pin.SE3) -> pin.Inertia:

@@ -351,7 +351,7 @@ def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
         return None
     step = float(time[-1] - time[-2])
     short, slow = x[0] - x[-1] - 0.5 * step * (v[0] + v[-1]), v[0] - v[-1] - 0.5 * step * (a[0] + a[-1])
-    turning = np.array([axis.turns for axis in press.axes])
+    turning = press.structure.turns
     short = np.where(turning, (short + np.pi) % (2 * np.pi) - np.pi, short)
     back = all(
         np.all(np.abs(missed[kind]) <= 0.01 * np.max(size[kind], initial=0.0))

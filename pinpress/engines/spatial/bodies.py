@@ -65,7 +65,7 @@ def build_bodies(structure: Structure) -> Bodies:
         aligned.append(turned_frame)
     return Bodies(
         parents=tuple(int(parent) for parent in list(model.parents)[1:]),
-        turns=np.array([axis.turns for axis in structure.axes]),
+        turns=structure.turns,
         placement=np.array(placement),
         along=tuple(along),
         aligned=tuple(aligned),

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...common.arguments import LARGEST
 from ...common.errors import UrdfError, odd_character, suggestion
-from ..description import DEEPEST_JOINTS, MOST, Description, Joint, names
+from ..description import DEEPEST_JOINTS, MOST, Description, Joint, has_mass, names
 from ..document import Document, Finding
 from ..element import Element
 from . import grammar
@@ -184,13 +184,10 @@ def _mimic_problems(robot: Element, description: Description) -> Iterator[Proble
 
 def _spring_problems(robot: Element, description: Description) -> Iterator[Problem]:
     """Problems of springs and rotors in joints."""
-    types, armed = description.types, set()
+    armed: set[str] = set()
     for element in robot.all("joint_spring", "armature"):
         name = element.get("joint")
-        if name and name not in types:
-            yield element, f"no joint {name!r}{suggestion(name, types)}", "name a <joint> of this file"
-        elif types.get(name) == "fixed":
-            yield element, f"joint {name!r} is fixed and does not move", "name a joint that moves, or remove this element"
+        yield from _named_joint(element, description, "is fixed and does not move", "joint")
         for quantity in ("stiffness", "damping", "inertia"):
             if element.number(quantity, 0.0) < 0:
                 yield element, f"{quantity} is negative", "write it as a positive number, in SI units"
@@ -242,9 +239,9 @@ def _relation_problems(robot: Element, description: Description) -> Iterator[Pro
         determined[relation.joints[0]] = f"relation {relation.name!r}"
 
 
-def _named_joint(element: Element, description: Description, fixed: str) -> Iterator[Problem]:
-    """Problems of an element whose name is that of a moving joint; ``fixed``: what is said of a joint that is fixed."""
-    name, types = element.get("name"), description.types
+def _named_joint(element: Element, description: Description, fixed: str, attribute: str = "name") -> Iterator[Problem]:
+    """Problems of an element with an attribute that names a moving joint; ``fixed``: what is said of a joint that is fixed."""
+    name, types = element.get(attribute), description.types
     if name and name not in types:
         yield element, f"no joint {name!r}{suggestion(name, types)}", "name a <joint> of this file"
     elif name and types[name] == "fixed":
@@ -321,7 +318,7 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
     bodies = description.bodies
     connected = Counter(bodies.get(link) for joint in description.joints if joint.type != "fixed" for link in (joint.parent, joint.child))
     connected.update(bodies.get(end.link) for loop in description.loops for end in (loop.link1, loop.link2))
-    weighed = {bodies.get(link.get("name")) for link in robot.all("link") if any(map(_has_mass, link.all("inertial")))}
+    weighed = {bodies.get(link.get("name")) for link in robot.all("link") if has_mass(link)}
     for link in _without_inertial(robot, description):
         if connected[link.get("name")] < 2:  # nothing would resist its motion, nor move it
             remedy = "write <inertial> with <mass> and <inertia>; a link between two bearings may have none"
@@ -347,10 +344,6 @@ def _inertia_problems(robot: Element, description: Description) -> Iterator[Prob
             for element in inertial.all("inertia"):
                 if problem := _tensor_problem(element):
                     yield element, problem, "write the moments about the centre of mass [kg m2], products with the sign of -integral xy dm"
-
-
-def _has_mass(inertial: Element) -> bool:
-    return any(mass.number("value", 0.0) > 0.0 for mass in inertial.all("mass"))
 
 
 def _without_inertial(robot: Element, description: Description) -> list[Element]:

@@ -155,16 +155,16 @@ def pivots(ways: Array, weights: Array, least: float = RESTS, chosen: Sequence[i
         least: smallest part that is chosen, without its weight [-].
         chosen: joints chosen before.
     """
-    rest, found = ways.copy(), list[int]()
+    rest, found = ways, list[int]()
     for joint in chosen:
-        rest = _without_part(rest, joint)
+        rest = _without(rest, joint)
     while len(chosen) + len(found) < ways.shape[1]:
         parts = np.linalg.norm(rest, axis=1)
         marks = np.where(parts > max(least, 1e-9), parts * weights, 0.0)
         if not marks.max(initial=0.0):
             break
         found.append(_first_largest(marks))
-        rest = _without_part(rest, found[-1])
+        rest = _without(rest, found[-1])
     return found
 
 
@@ -191,12 +191,6 @@ def _neighbours(structure: Structure, x: Array) -> Iterator[Array]:
 def _without(ways: Array, joint: int) -> Array:
     """Orthonormal ways (nv, k - 1) of those among ways (nv, k) in which a joint rests."""
     return np.asarray(ways @ np.linalg.svd(ways[joint][None])[2][1:].T)
-
-
-def _without_part(ways: Array, joint: int) -> Array:
-    """Ways (nv, k) less their parts along the row of a joint."""
-    row = ways[joint] / np.linalg.norm(ways[joint])
-    return np.asarray(ways - np.outer(ways @ row, row))
 
 
 def _first_largest(values: Array) -> int:

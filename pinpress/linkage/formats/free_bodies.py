@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from ...common.errors import PinpressError, UrdfError, shown
-from ..description import FREE, Description, names
+from ..description import FREE, Description, has_mass, names
 from ..document import Document, Finding
-from ..element import Element
 from ..text import Text, as_text, in_series, tag
 
 Base = Literal["fixed", "floating"]
@@ -59,16 +58,12 @@ def _is_in_loop(description: Description, child: str) -> bool:
 def _free_root(document: Document, description: Description) -> str:
     """The elements that let the root link of a file without a free joint float."""
     root = next(link for link in document.robot.all("link") if link.get("name") == description.root)
-    if not _has_mass(root):
+    if not has_mass(root):
         problem = "base='floating', but the file has no free joint, and its root link has no mass"
         raise UrdfError(document.file, str(root), root.line, problem, 'write its <inertial>, or <joint type="floating"> above the base')
     taken = {*description.links, *names(document.robot, "joint")}
     world = next(name for name in ("world", "ground", "universe_of_base") if name not in taken)
     return tag("link", {"name": world}) + _split("base", world, description.root, {})
-
-
-def _has_mass(link: Element) -> bool:
-    return any(mass.number("value", 0.0) > 0.0 for inertial in link.all("inertial") for mass in inertial.all("mass"))
 
 
 def _split(name: str, parent: str, child: str, place: dict[str, str]) -> str:

@@ -25,6 +25,7 @@ from ..element import Element
 from ..linkage import Linkage
 from ..text import as_text, opening, tag
 from .elements import make_unique
+from .urdf import place_of
 
 WORLD = "world"
 DRAWN = 1e-9  # coordinates of the closed pose up to which bodies are drawn at zero: less is rounding of the file [rad or m]
@@ -235,10 +236,7 @@ def _inertial(inertia: pin.Inertia, moves: bool, press: Linkage) -> Iterator[str
 def _geoms(link: Element) -> Iterator[str]:
     """The boxes, cylinders and spheres of a link."""
     for visual in link.all("visual"):
-        place = pin.SE3.Identity()
-        for origin in visual.all("origin"):
-            xyz, rpy = (np.array(origin.numbers(name) or (0.0, 0.0, 0.0)) for name in ("xyz", "rpy"))
-            place = pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
+        place = place_of(visual)
         colour = [rgba for material in visual.all("material") for each in material.all("color") if (rgba := each.numbers("rgba"))]
         looks = {"rgba": as_text(colour[0])} if colour else {}
         for shape in (shape for geometry in visual.all("geometry") for shape in geometry.all("box", "cylinder", "sphere")):

@@ -41,16 +41,17 @@ def _origin(element: Element) -> Origin:
 
 
 def _link(link: Element, colours: Mapping[str, tuple[float, ...] | None]) -> Link:
-    inertia = next((_inertia(inertial) for inertial in link.all("inertial")), None)
+    inertia = next((inertia_of(inertial) for inertial in link.all("inertial")), None)
     return Link(link.get("name"), inertia, tuple(_shapes(link, colours)), _origin(link))
 
 
-def _inertia(inertial: Element) -> Inertia:
+def inertia_of(inertial: Element) -> Inertia:
+    """The inertia that an ``<inertial>`` says."""
     moments = inertial.all("inertia")[0]
     tensor = np.zeros((3, 3))
     for name, i, j in MOMENTS:
         tensor[i, j] = tensor[j, i] = moments.number(name, 0.0)
-    return Inertia(inertial.all("mass")[0].number("value", 0.0), _place(inertial), tensor, _origin(inertial))
+    return Inertia(inertial.all("mass")[0].number("value", 0.0), place_of(inertial), tensor, _origin(inertial))
 
 
 def _shapes(link: Element, colours: Mapping[str, tuple[float, ...] | None]) -> Iterator[Shape]:
@@ -60,7 +61,7 @@ def _shapes(link: Element, colours: Mapping[str, tuple[float, ...] | None]) -> I
             colour = _colour(material) or colours.get(material.get("name"))
         for geometry in visual.all("geometry"):
             for shape in geometry.children:
-                yield Shape(_place(visual), shape.tag, shape.attributes, colour)
+                yield Shape(place_of(visual), shape.tag, shape.attributes, colour)
 
 
 def _colour(material: Element) -> tuple[float, ...] | None:
@@ -79,7 +80,7 @@ def _joint(element: Element, joint: description.Joint, spring: Spring | None, ar
         "revolute" if joint.type == "continuous" else joint.type,
         joint.parent,
         joint.child,
-        _place(element),
+        place_of(element),
         axis / np.linalg.norm(axis),
         _origin(element),
         joint.limits,
@@ -105,7 +106,7 @@ def _relation(relation: Element) -> Relation:
     return Relation(relation.get("name"), coefficients, relation.number("offset", 0.0), _origin(relation))
 
 
-def _place(element: Element) -> pin.SE3:
+def place_of(element: Element) -> pin.SE3:
     """The pose in the ``<origin>`` of an element."""
     xyz, rpy = (
         np.array(next((numbers for origin in element.all("origin") if (numbers := origin.numbers(name))), (0.0, 0.0, 0.0)))
