@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -15,15 +15,17 @@ from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.quantities import GRAVITY, Array
 from ..engines.engine import ClosedStates, Engine
 from ..engines.friction import REST
+from ..engines.structure import drawn_placements, joints_between
 from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import is_cycle
-from ..kinematics.poses import point_motion
+from ..kinematics.poses import point_motion, rotation_of
 from ..kinematics.slide_path import dead_centres
 from ..loads import caller_laws
-from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.link import LinkLoad, Load, PointForce, PointMoment, SpringDamper, TorsionSpring
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 
 ROUNDING = 1e-9  # of heights [lengths of the linkage]
+PARALLEL = 1e-9  # sine of the angle between axes below which it is rounding
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
@@ -38,8 +40,10 @@ def wrap_laws(loads: Sequence[Load]) -> list[Load]:
     return [
         replace(load, force=caller_laws.ForceOfMotion(f"{load.label}: force", load.force, np.geterr()))
         if isinstance(load, PointForce) and callable(load.force)
+        else replace(load, moment=caller_laws.ForceOfMotion(f"{load.label}: moment", load.moment, np.geterr()))
+        if isinstance(load, PointMoment) and callable(load.moment)
         else load
-        if isinstance(load, PointForce | SpringDamper)  # looking whether something follows a protocol takes long
+        if isinstance(load, LinkLoad)  # looking whether something follows a protocol takes long
         else caller_laws.asked_load(load)
         for load in loads
     ]
@@ -60,6 +64,13 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
     for load in loads:
         if isinstance(load, SpringDamper):
             applied += _spring_forces(load, press, motion)
+        elif isinstance(load, TorsionSpring):
+            turn = turn_of_spring(load, press)
+            moment = -load.stiffness * (turn.angle(motion.joint_position) - load.free_angle) - load.damping * turn.angle(motion.v)
+            applied += turn_forces(press, motion, turn, moment)
+        elif isinstance(load, PointMoment):
+            vectors = load.vectors(load.moment(motion) if callable(load.moment) else load.moment)
+            applied += _moment_forces(load, press, motion, vectors)
         elif isinstance(load, PointForce):
             # A copy, because the caller may change an array later, and results are worked out when they are needed.
             force = numbers(f"{load.label}: force", load.force(motion) if callable(load.force) else load.force, unit="N")
@@ -70,7 +81,8 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
             applied += _on_slide(load, press, _in_height(load, press, motion, warned=warned))
         else:
             raise PinpressError(
-                f"load {shown(load)} is no load: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
+                f"load {shown(load)} is no load: give a PointForce, PointMoment, SpringDamper, TorsionSpring, a load of the process"
+                " or a TimeForce"
             )
     return applied
 
@@ -210,7 +222,7 @@ def process_force(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> 
     for load in wrap_laws(loads):
         if isinstance(load, TimeForce):
             total += _in_time(load, motion)
-        elif not isinstance(load, PointForce | SpringDamper):
+        elif not isinstance(load, LinkLoad):
             total += _in_height(load, press, motion, warned=True)
     return total
 
@@ -226,7 +238,7 @@ def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> A
         if isinstance(load, TimeForce):
             power = _closed(motion, -_in_time(load, motion) * _heights(press, motion, 0.0)[1])
             total += 0.5 * (power[1:] + power[:-1]) * np.diff(_closed_time(motion.time, motion))
-        elif not isinstance(load, PointForce | SpringDamper):
+        elif not isinstance(load, LinkLoad):
             total += _work_in_height(load, press, motion)
     return total
 
@@ -348,6 +360,95 @@ def _apart(point: Array, axis: Array) -> float:
     return float(np.linalg.norm(point - (point @ axis) * axis))
 
 
+def _moment_forces(load: PointMoment, press: "Linkage", motion: "Motion", vectors: Array) -> list[AppliedForce]:
+    """The forces of a moment (3,) or (n, 3) [N m] on its link, and of the opposite one on the link that takes it."""
+    count = len(motion.crank_angle)
+    if vectors.ndim == 2 and len(vectors) != count:
+        raise PinpressError(f"{load.label}: moment has {len(vectors)} rows, but the motion has {count} states")
+    moment = np.broadcast_to(vectors, (count, 3))
+    forces = couple(press, motion, body_of(press, load.link), moment)
+    return forces if load.on is None else forces + couple(press, motion, body_of(press, load.on), -moment)
+
+
+def couple(press: "Linkage", motion: "Motion", joint: int, moment: Array) -> list[AppliedForce]:
+    """Forces on a body whose sum is zero and whose moment is this one, (n, 3) in world axes [N m].
+
+    For three directions e across each other that turn with the body, the sum of e x (M x e) is 2 M. The forces act at the ends of such arms
+    as long as the linkage, and their opposite at the body's origin.
+    """
+    if not moment.any():
+        return []
+    rotation = rotation_of(press, motion.joint_position, joint)
+    lead = moment[np.linalg.norm(moment, axis=1).argmax()]
+    lead = lead / np.linalg.norm(lead)
+    across = np.cross(lead, np.eye(3)[np.abs(lead).argmin()])
+    across /= np.linalg.norm(across)
+    arms = press.size * rotation[0].T @ np.stack([lead, across, np.cross(lead, across)], axis=1)  # in the body's frame
+    forces = [np.cross(moment, rotation @ arm) / (2 * press.size**2) for arm in arms.T]
+    pairs = [AppliedForce(joint, arm, force) for arm, force in zip(arms.T, forces, strict=True) if force.any()]
+    return [*pairs, AppliedForce(joint, np.zeros(3), -np.sum([each.force for each in pairs], axis=0))]
+
+
+class RelativeTurn(NamedTuple):
+    """How two links turn against each other about parallel axes.
+
+    Attributes:
+        bodies: Pinocchio joints on whose bodies the two links are.
+        axis: (3,) in the frame of the second body's joint, of length 1.
+        by: (nv,) 1 or -1 for the joints whose angles add up to that of the second link against the first, 0 for the others.
+    """
+
+    bodies: tuple[int, int]
+    axis: Array
+    by: Array
+
+    def angle(self, coordinates: Array) -> Array:
+        """The angle [rad] at joint coordinates (..., nv), or its rate at joint rates."""
+        return np.asarray(coordinates @ self.by)
+
+
+def relative_turn(press: "Linkage", link1: str, link2: str, what: str) -> RelativeTurn | None:
+    """How link2 turns against link1; None where it does not. ``what`` has the links, for messages.
+
+    Raises:
+        UnknownNameError: a link that the linkage does not have.
+        PinpressError: between them joints turn about axes that are not parallel.
+    """
+    first, second = bodies = body_of(press, link1), body_of(press, link2)
+    between = joints_between([parent - 1 for parent in list(press.model.parents)[1:]], first - 1, second - 1)
+    placed, axes = drawn_placements(press.model), press.axes
+    turning = [joint for joint in between if axes[joint].turns]
+    if not turning:
+        return None
+    back = [joint for joint in turning if between[joint] < 0]  # on the way from link1 towards the frame
+    begin = max(back) if back else min(turning)
+    axis, by = placed[begin + 1].rotation @ axes[begin].direction, np.zeros(len(axes))
+    for joint in turning:
+        own = placed[joint + 1].rotation @ axes[joint].direction
+        if not np.linalg.norm(np.cross(own, axis)) <= PARALLEL:
+            raise PinpressError(
+                f"{what}: between {shown(link1)} and {shown(link2)} joints {press.joints[begin]} and {press.joints[joint]} turn about axes"
+                " that are not parallel, so that there is no one angle: in inverse_dynamics give a PointMoment by a function of the motion"
+            )
+        by[joint] = between[joint] * np.sign(own @ axis)
+    return RelativeTurn(bodies, placed[second].rotation.T @ axis, by)
+
+
+def turn_of_spring(load: TorsionSpring, press: "Linkage") -> RelativeTurn:
+    """How the second link of a torsion spring turns against the first; raises PinpressError where it does not, and as `relative_turn`."""
+    turn = relative_turn(press, load.link1, load.link2, load.label)
+    if turn is None:
+        raise PinpressError(f"{load.label}: these links do not turn against each other: name two that do")
+    return turn
+
+
+def turn_forces(press: "Linkage", motion: "Motion", turn: RelativeTurn, moment: Array) -> list[AppliedForce]:
+    """The forces of a moment (n,) about the axis of a turn on its second link, and of the opposite one on its first [N m]."""
+    axis = rotation_of(press, motion.joint_position, turn.bodies[1]) @ turn.axis
+    vectors = moment[:, None] * axis
+    return couple(press, motion, turn.bodies[1], vectors) + couple(press, motion, turn.bodies[0], -vectors)
+
+
 def _spring_forces(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:
     """The forces of a spring and damper on its two links."""
     ends, what = spring_ends(load, press), load.label
@@ -387,9 +488,13 @@ def point_on_body(press: "Linkage", link: str, point: ArrayLike, what: str, name
     Raises:
         UnknownNameError: a link that the linkage does not have.
     """
+    joint, position = body_of(press, link), np.asarray(point, dtype=float)
+    plausibility.point(f"{what}: {name}", position, press.size)
+    return joint, press.model.frames[press.model.getFrameId(link, pin.BODY)].placement.act(position)
+
+
+def body_of(press: "Linkage", link: str) -> int:
+    """The Pinocchio joint to whose body a link belongs; raises UnknownNameError where the linkage has no such link."""
     if link not in press.links:
         raise UnknownNameError("link", link, press.links)
-    position = np.asarray(point, dtype=float)
-    plausibility.point(f"{what}: {name}", position, press.size)
-    frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
-    return frame.parentJoint, frame.placement.act(position)
+    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)

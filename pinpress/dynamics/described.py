@@ -26,7 +26,7 @@ from ..kinematics.slide_path import DeadCentres, DeadCentresOverTravel, stroke_t
 from ..kinematics.slide_path import turning_points as strokes_of
 from ..linkage.linkage import Linkage
 from ..linkage.planarity import UPRIGHT
-from ..loads.link import PointForce, SpringDamper
+from ..loads.link import LinkLoad
 from .applied_loads import process_work, turning_points
 from .driving_energy import driving_energy
 from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, rounding, torque_without_rounding
@@ -384,7 +384,7 @@ def energy_of_stroke(reactions: Reactions) -> tuple[list[Figure], list[Bars]]:
         "process": reactions.process_work,
         "friction": sum(float(power.mean()) for power in reactions.friction_power.values()) * period,
     }
-    if any(isinstance(load, SpringDamper | PointForce) for load in reactions.loads):
+    if any(isinstance(load, LinkLoad) for load in reactions.loads):
         work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]
     least = NO_WORK * max(asked.stored, abs(asked.work))
     figures = [Figure("taken up and given off", asked.stored, "J", "by a flywheel at an even torque")]

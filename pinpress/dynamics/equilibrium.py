@@ -21,7 +21,7 @@ from ..engines.engine import CloseDrivers, ClosedStates, Engine
 from ..engines.wrenches import AppliedConditions
 from ..kinematics.motion import Motion, closed_motion, shared_by_motions
 from ..linkage.linkage import Linkage
-from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.link import Load, Spring, is_constant
 from . import applied_loads
 
 STEP = 0.02  # of differences [rad or sizes of the linkage]
@@ -45,10 +45,8 @@ def equilibrium(press: Linkage, engine: Engine, motion: Motion, loads: Sequence[
         AssemblyError: the loops do not close on the way.
     """
     for load in loads:
-        if not isinstance(load, SpringDamper) and not (
-            isinstance(load, PointForce) and not callable(load.force) and np.ndim(load.force) == 1
-        ):
-            raise PinpressError(f"an equilibrium takes constant forces and springs, and not the load {load!r}: leave it out")
+        if not isinstance(load, Spring) and not is_constant(load):
+            raise PinpressError(f"an equilibrium takes constant forces, moments and springs, and not the load {load!r}: leave it out")
     statics = _Statics(press, engine, tuple(loads))
     count = len(press.motors)
     motors, speed, acceleration = (

@@ -22,7 +22,7 @@ from ..kinematics.motion import Motion, is_constant, is_cycle
 from ..linkage import loading
 from ..linkage.linkage import Linkage
 from ..linkage.writing import is_as_read
-from ..loads.link import Friction, SpringDamper
+from ..loads.link import Friction, Spring
 from .reactions import Reactions
 
 FEW = 4  # numbers that are written out; of more their count and range
@@ -112,7 +112,7 @@ def _speeds_in_words(motion: Motion) -> str:
 
 def of_loads(loads: Sequence[object]) -> Inputs:
     """Loads and springs as they were given, or that there are none."""
-    rows = [("spring" if isinstance(load, SpringDamper) else "load", described(load)) for load in loads]
+    rows = [("spring" if isinstance(load, Spring) else "load", described(load)) for load in loads]
     return rows or [("loads", "none but weight")]
 
 

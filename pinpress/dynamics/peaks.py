@@ -20,7 +20,7 @@ from ..common.quantities import Array
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion, is_cycle
 from ..loads import caller_laws
-from ..loads.link import PointForce, SpringDamper
+from ..loads.link import LinkLoad, PointForce, PointMoment, is_constant
 from ..loads.process import ProcessLoad, TimeForce, datum
 from .applied_loads import intervals_of
 from .inverse_dynamics import in_other_states
@@ -147,7 +147,7 @@ def _path(reactions: Reactions) -> _Path | None:
 
 def _changes_with_states(load: object) -> bool:
     """Whether a load is a force that a caller gave for the states alone."""
-    return isinstance(load, PointForce) and (callable(load.force) or np.ndim(load.force) != 1)
+    return isinstance(load, PointForce | PointMoment) and not is_constant(load)
 
 
 # ----------------------------------------------------------------------------------------------------------------------------------- jumps
@@ -162,7 +162,7 @@ def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
         if name in press.joints:
             joint = press.joints.index(name)
             times.append(_roots(path, _joint_rate(joint), states, motion))
-    processes = [load for load in reactions.loads if not isinstance(load, PointForce | SpringDamper | TimeForce)]
+    processes = [load for load in reactions.loads if not isinstance(load, LinkLoad | TimeForce)]
     if processes:
         turns = np.unique(path.inside(_roots(path, lambda motion: (motion.slide_velocity, motion.slide_acceleration), states, motion)))
         if len(turns):  # the slide goes one way from state to state if it turns only at states

@@ -27,7 +27,7 @@ from ..kinematics.motion import Motion
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
-from ..loads.link import Load, PointForce, SpringDamper, StandingLoad
+from ..loads.link import Load, Spring, StandingLoad, is_constant
 from ..loads.pneumatics import BalanceCylinder
 from .springs import Stiffness, springs_of
 from .unit_load import HeldPress, hold
@@ -249,9 +249,9 @@ def _speeds(speed: ArrayLike) -> Array:
 
 def _refuse_dependent(loads: Sequence[StandingLoad]) -> None:
     for load in loads if isinstance(loads, list | tuple) else [loads]:
-        spring = isinstance(load, BalanceCylinder) or (isinstance(load, SpringDamper) and load.damping == 0.0)
-        if not spring and not (isinstance(load, PointForce) and not callable(load.force) and np.shape(load.force) == (3,)):
+        spring = isinstance(load, BalanceCylinder) or (isinstance(load, Spring) and load.damping == 0.0)
+        if not spring and not is_constant(load):
             raise PinpressError(
-                f"load {shown(load)} may depend on the speed: give constant PointForces, BalanceCylinders, and SpringDampers without"
-                " damping"
+                f"load {shown(load)} may depend on the speed: give constant PointForces and PointMoments, BalanceCylinders, and springs"
+                " without damping"
             )

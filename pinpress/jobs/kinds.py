@@ -22,7 +22,7 @@ from ..drives.slip_clutch import SlipClutchMotor
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
 from ..loads.contacts import Impact, TwoSidedStop
 from ..loads.hydraulics import HydraulicCushion, ImpactDamper
-from ..loads.link import PointForce, SpringDamper
+from ..loads.link import PointForce, PointMoment, SpringDamper, TorsionSpring
 from ..loads.pneumatics import BalanceCylinder, PneumaticCushion
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from ..loads.shearing import RateSensitiveBlanking
@@ -68,6 +68,10 @@ LOADS = OneOf(
         "hydraulic-cushion": Part(HydraulicCushion, "{kind: hydraulic-cushion, force: 300 kN, height: 60 mm, rise: 1 mm}"),
         "air-cushion": Part(PneumaticCushion, "{kind: air-cushion, bore: 200 mm, pressure: 5 bar, volume: 40 l, height: 12 mm}"),
         "point-force": Part(PointForce, "{kind: point-force, link: slide, force: 0 0 5 kN}"),
+        "moment": Part(PointMoment, "{kind: moment, link: rod, moment: 20 N m}"),
+        "torsion-spring": Part(
+            TorsionSpring, "{kind: torsion-spring, link1: crank, link2: rod, stiffness: 500 N m/rad, free_angle: 30 deg}"
+        ),
         "spring": Part(
             SpringDamper, "{kind: spring, link1: frame, link2: slide, stiffness: 200 kN/m, free_length: 400 mm, point1: 0 0 500 mm}"
         ),

@@ -6,7 +6,9 @@ from .hydraulics import ImpactDamper as ImpactDamper
 from .hydraulics import orifice_coefficient as orifice_coefficient
 from .link import Friction as Friction
 from .link import PointForce as PointForce
+from .link import PointMoment as PointMoment
 from .link import SpringDamper as SpringDamper
+from .link import TorsionSpring as TorsionSpring
 from .pneumatics import BalanceCylinder as BalanceCylinder
 from .pneumatics import PneumaticCushion as PneumaticCushion
 from .process import Blanking as Blanking

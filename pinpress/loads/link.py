@@ -1,4 +1,4 @@
-"""External forces on links, springs and dampers between links, friction in bearings and guides, and the union of all loads.
+"""Forces and moments on links, springs and dampers between links, friction in bearings and guides, and the union of all loads.
 
 A bearing resists its rotation with the torque c w + mu r F, where F is its radial force (across the axis of rotation). A guide resists its
 sliding with the force c v + mu F, where F is its force across the direction of sliding. F depends on the friction of all bearings, so that
@@ -30,6 +30,9 @@ from .process import ProcessLoad, TimeForce
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
     from ..linkage.linkage import Linkage
+
+
+COUNTER_CLOCKWISE = (0.0, -1.0, 0.0)  # axis of a turn from x to z
 
 
 @dataclass(frozen=True)
@@ -114,10 +117,108 @@ class SpringDamper:
         return f"spring between {shown(self.link1)} and {shown(self.link2)}"
 
 
-StandingLoad = PointForce | SpringDamper | BalanceCylinder
+@dataclass(frozen=True)
+class PointMoment:
+    """A moment on a link, which needs no point.
+
+    Attributes:
+        link: name of the link; the frame (root link) may be named too.
+        moment: one number, positive counter-clockwise in the plane with x to the right and z up, which is about the world's -y; or in world
+            axes (3,), constant, (n, 3) over the motion, or a function of the motion that returns one of these [N m].
+        on: name of the link that takes the opposite moment; None: it comes from outside the machine, and reaches the foundation.
+
+    Raises:
+        PinpressError: the moment has another shape, or is not finite. What a function of the motion returns is checked where it acts.
+
+    Warns:
+        PinpressWarning: both are the same link, so that it does nothing.
+    """
+
+    link: str
+    moment: ArrayLike | Callable[[Motion], ArrayLike] = field(metadata=parameter("N m", axes=1))
+    on: str | None = None
+
+    def __post_init__(self) -> None:
+        in_declared_units(self)
+        if not callable(self.moment):
+            self.vectors(self.moment)
+        if isinstance(self.link, str) and self.link == self.on:
+            caution(f"{self.label}: on is the same link, so that it does nothing: name another one")
+
+    @property
+    def label(self) -> str:
+        """What messages call it."""
+        return f"moment on {shown(self.link)}"
+
+    def vectors(self, moment: object) -> Array:
+        """The moment in world axes, (3,) or (n, 3) [N m]; raises PinpressError where it has another shape or is not finite."""
+        values = numbers(f"{self.label}: moment", moment, unit="N m")
+        if values.size == 1 and values.ndim <= 1:  # a job reads every row of numbers as a row
+            return np.multiply(values.reshape(()), COUNTER_CLOCKWISE)
+        if values.shape != (3,) and (values.ndim != 2 or values.shape[1] != 3):
+            raise PinpressError(f"{self.label}: moment has shape {values.shape}; give one number, (3,) or (n, 3), in world axes [N m]")
+        return values
+
+
+@dataclass(frozen=True)
+class TorsionSpring:
+    """A torsion spring and a damper in parallel between two links that turn about parallel axes, one of which may be the frame.
+
+    The moment on link2 is -(stiffness x (angle - free_angle) + damping x (rate of angle)), that on link1 the opposite. The angle is that of
+    link2 against link1 along the motion, over any number of turns: zero where all joints between them stand at zero, as drawn, positive
+    about the axis of the first pin on the way from link1 to link2. A spring between the two links of one pin is what
+    ``<joint_spring>`` is in a file.
+
+    Attributes:
+        link1: name of one link.
+        link2: name of the other link.
+        stiffness: [N m/rad].
+        damping: [N m s/rad].
+        free_angle: angle at which the spring is slack [rad].
+
+    Raises:
+        PinpressError: a stiffness or damping is negative or no number, or the angle is no number. Where it acts: the links do not turn
+            against each other, or not about parallel axes.
+
+    Warns:
+        PinpressWarning: both are the same link, so that it does nothing.
+    """
+
+    link1: str
+    link2: str
+    stiffness: float = field(default=0.0, metadata=parameter("N m/rad", "not negative"))
+    damping: float = field(default=0.0, metadata=parameter("N m s/rad", "not negative"))
+    free_angle: float = field(default=0.0, metadata=parameter("rad"))
+
+    def __post_init__(self) -> None:
+        in_declared_units(self)
+        for quantity in ("stiffness", "damping"):
+            wanted = "one number that is not negative"
+            suitable_numbers(f"{self.label}: {quantity}", getattr(self, quantity), wanted, suits=lambda value: value >= 0)
+        suitable_numbers(f"{self.label}: free_angle", self.free_angle, "one finite number [rad]")
+
+    @property
+    def label(self) -> str:
+        """What messages call it."""
+        return f"torsion spring between {shown(self.link1)} and {shown(self.link2)}"
+
+
+Spring = SpringDamper | TorsionSpring
+
+LinkLoad = PointForce | PointMoment | Spring
+"""What acts on links by their names, whatever the slide does."""
+
+StandingLoad = LinkLoad | BalanceCylinder
 """What acts over the whole stroke, in addition to the process."""
 
-Load = PointForce | SpringDamper | ProcessLoad | TimeForce
+Load = LinkLoad | ProcessLoad | TimeForce
+
+
+def is_constant(load: object) -> bool:
+    """Whether a load is a force or moment that is the same in all states."""
+    if isinstance(load, PointMoment):
+        return not callable(load.moment) and np.ndim(load.moment) <= 1
+    return isinstance(load, PointForce) and not callable(load.force) and np.ndim(load.force) == 1
 
 
 def check_point(name: str, point: object) -> Array:

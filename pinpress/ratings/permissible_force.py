@@ -24,7 +24,7 @@ from ..kinematics.cycle import motion_through_change_points, moved
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load, PointForce, StandingLoad, law
+from ..loads.link import Friction, Load, PointForce, PointMoment, StandingLoad, is_constant, law
 from ..loads.process import ConstantForce, ProcessLoad, TimeForce
 from .limits import (
     DRIVING_FORCE,
@@ -356,13 +356,13 @@ def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Frictio
     if not isinstance(loads, list | tuple):
         raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
     for load in loads:
-        if isinstance(load, PointForce) and (callable(load.force) or np.ndim(load.force) != 1):
-            raise PinpressError(f"load on {shown(load.link)}: ratings take a constant force, (3,) in world axes [N]")
+        if isinstance(load, PointForce | PointMoment) and not is_constant(load):
+            raise PinpressError(f"load on {shown(load.link)}: ratings take a constant force or moment, (3,) in world axes [N, N m]")
         if not isinstance(load, StandingLoad):
             kind = type(load).__name__ if isinstance(load, ProcessLoad | TimeForce) and not isinstance(load, type) else shown(load)
             raise PinpressError(
-                f"{kind} is not a load of ratings, which find the process force: give springs (SpringDamper), balance cylinders"
-                " and constant forces (PointForce); ratings.utilisation(reactions) compares a process with the permissible force"
+                f"{kind} is not a load of ratings, which find the process force: give SpringDamper, TorsionSpring, balance cylinders"
+                " and constant PointForce and PointMoment; ratings.utilisation(reactions) compares a process with the permissible force"
             )
     _ = law(friction, press)
     if at_speed:

@@ -21,7 +21,7 @@ from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
-from ..loads.link import Friction, Load, SpringDamper
+from ..loads.link import Friction, Load, Spring
 from .permissible_force import (
     NO_RATINGS,
     TURN,
@@ -305,7 +305,7 @@ def _ratings(
 
 def _speed_limit(rated: RatedStroke) -> PermissibleSpeed | None:
     """The speed at which the idle press reaches a capacity; None if forces are not affine in the square of the speed."""
-    if not rated.coordinate.turns or rated.friction or any(isinstance(load, SpringDamper) and load.damping for load in rated.loads):
+    if not rated.coordinate.turns or rated.friction or any(isinstance(load, Spring) and load.damping for load in rated.loads):
         return None
     way = math.copysign(1.0, rated.speed)
     return limiting_speed(rated.press, rated.capacities, rated.torque, way, rated.loads, rated.engine)

@@ -24,13 +24,14 @@ from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpe
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..engines.friction import FrictionLaw
+from ..engines.structure import drawn_placements
 from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import slide_at
 from ..kinematics.motion import Motion
 from ..kinematics.poses import point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
-from ..loads.link import Friction, Load, PointForce, SpringDamper, law
+from ..loads.link import Friction, Load, PointForce, PointMoment, SpringDamper, TorsionSpring, is_constant, law
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .bearing_model import BearingModel, build_bearing_model
 from .reduced_model import (
@@ -125,6 +126,26 @@ class Length:
 
 
 @dataclass(frozen=True, eq=False)
+class Turn:
+    """Angle of a link against another [rad], along which a force is a moment.
+
+    Attributes:
+        turn: the two links, and the joints whose angles add up to it.
+    """
+
+    turn: applied_loads.RelativeTurn
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return self.turn.angle(motion.joint_position)
+
+    def at(self, dynamics: "ForwardDynamics", x: Array) -> tuple[float, Array]:
+        return float(x.dot(self.turn.by)), self.turn.by
+
+    def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
+        return applied_loads.turn_forces(press, motion, self.turn, np.ones(len(motion.crank_angle)))
+
+
+@dataclass(frozen=True, eq=False)
 class WorkOfForce:
     """Work of a constant force at a point of a link [J]. A generalized force of 1 along this coordinate is that force.
 
@@ -144,6 +165,32 @@ class WorkOfForce:
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
         return [AppliedForce(*self.end, np.tile(self.force, (len(motion.crank_angle), 1)))]
+
+
+@dataclass(frozen=True, eq=False)
+class WorkOfMoment:
+    """Work of a constant moment on a link that turns about one axis in the frame [J]. A generalized force of 1 along it is that moment.
+
+    Attributes:
+        joint: Pinocchio joint of the link's body.
+        moment: (3,) in world axes [N m].
+        by: (nv,) derivatives of the work by the joint coordinates.
+        braced: whether the frame takes the opposite moment.
+    """
+
+    joint: int
+    moment: Array
+    by: Array
+    braced: bool
+
+    def over(self, press: Linkage, motion: Motion) -> Array:
+        return np.asarray(motion.joint_position @ self.by)
+
+    def at(self, dynamics: "ForwardDynamics", x: Array) -> tuple[float, Array]:
+        return float(x.dot(self.by)), self.by
+
+    def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
+        return applied_loads.couple(press, motion, self.joint, np.tile(self.moment, (len(motion.crank_angle), 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -301,7 +348,8 @@ class DrivenPress:
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
             return reduced_model_of(press)
-        return build_reduced_model(press, [partial(coordinate.over, press) for coordinate in coordinates])
+        angles = any(isinstance(each, JointPosition | Turn | WorkOfMoment) for each in coordinates[press.slide is not None :])
+        return build_reduced_model(press, [partial(coordinate.over, press) for coordinate in coordinates], angles=angles)
 
     @cached_property
     def bearing_model(self) -> BearingModel | None:
@@ -541,6 +589,22 @@ def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[lis
             always = (ForceInterval(math.inf, -math.inf, law_of_spring, heeds_velocity=bool(load.damping)),)
             forces.append(GeneralizedForce(len(coordinates), 0.0, always, always))
             coordinates.append(Length(*applied_loads.spring_ends(load, press)))
+        elif isinstance(load, TorsionSpring):
+            law_of_turn = partial(_torsion_spring_moment, load)
+            always = (ForceInterval(math.inf, -math.inf, law_of_turn, heeds_velocity=bool(load.damping)),)
+            forces.append(GeneralizedForce(len(coordinates), 0.0, always, always))
+            coordinates.append(Turn(applied_loads.turn_of_spring(load, press)))
+        elif isinstance(load, PointMoment):
+            if not is_constant(load):
+                raise PinpressError(f"{load.label}: a simulation takes a constant moment, one number or (3,) in world axes [N m]")
+            vector = load.vectors(load.moment)
+            joints = [applied_loads.body_of(press, link) for link in (load.link, load.on) if link is not None]
+            for link, joint, moment in zip((load.link, load.on), joints, (vector, -vector), strict=False):
+                if link is not None and joint:  # the frame does not move
+                    turn = applied_loads.relative_turn(press, press.root, link, load.label)
+                    constant = (ForceInterval(math.inf, -math.inf, _constant_one, heeds_velocity=False),)
+                    forces.append(GeneralizedForce(len(coordinates), 0.0, constant, constant))
+                    coordinates.append(WorkOfMoment(joint, moment, _turned_by(press, turn, moment), 0 in joints))
         elif isinstance(load, PointForce):
             if callable(load.force) or np.ndim(load.force) != 1:
                 raise PinpressError(
@@ -559,6 +623,14 @@ def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[lis
             elif (force := _process_force(press, load)) is not None:
                 forces.append(force)
     return coordinates, forces
+
+
+def _turned_by(press: Linkage, turn: applied_loads.RelativeTurn | None, moment: Array) -> Array:
+    """(nv,) work of a moment in world axes by joint coordinates, on a link that turns against the frame about one axis [N m]."""
+    if turn is None:
+        return np.zeros(len(press.joints))
+    axis = drawn_placements(press.model)[turn.bodies[1]].rotation @ turn.axis
+    return np.asarray(float(axis @ moment) * turn.by)
 
 
 def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
@@ -585,6 +657,10 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
 
 def _constant_one(position: Any, velocity: Any) -> Any:
     return position * 0.0 + 1.0
+
+
+def _torsion_spring_moment(spring: TorsionSpring, angle: Any, rate: Any) -> Any:
+    return spring.stiffness * (spring.free_angle - angle) - spring.damping * rate
 
 
 def _spring_force(spring: SpringDamper, length: Any, rate: Any) -> Any:

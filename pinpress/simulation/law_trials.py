@@ -25,7 +25,7 @@ from ..drives.protocol import Corner, Drive, corners_of
 from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError, asked_load
 from ..loads.caller_laws import name as name_of
-from ..loads.link import PointForce, SpringDamper
+from ..loads.link import LinkLoad
 from ..loads.process import ProcessLoad, TimeForce
 
 ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # a drive is tried at these crank angles [rad] and times [s]
@@ -61,10 +61,12 @@ def _tried_drive(drive: Any, speed: float) -> Any:
 
 
 def _tried_load(load: Any) -> Any:
-    if isinstance(load, PointForce | SpringDamper):
+    if isinstance(load, LinkLoad):
         return load
     if isinstance(load, type) or not isinstance(load, ProcessLoad | TimeForce):
-        raise PinpressError(f"load {shown(load)} is no load: give a PointForce, a SpringDamper or one of pinpress.loads")
+        raise PinpressError(
+            f"load {shown(load)} is no load: give a PointForce, PointMoment, SpringDamper, TorsionSpring or one of pinpress.loads"
+        )
     asked = asked_load(load)
     if asked is not load and isinstance(asked, TimeForce):
         times, remedy = np.array([0.0, *TIMES]), "let it depend on the time alone"

@@ -113,13 +113,16 @@ def reduced_model_of(press: Linkage) -> ReducedModel:
     return build_reduced_model(press, [lambda motion: motion.slide_position] if press.slide is not None else [])
 
 
-def build_reduced_model(press: Linkage, coordinates: Sequence[LengthOfMotion], panels: int | None = None) -> ReducedModel:
+def build_reduced_model(
+    press: Linkage, coordinates: Sequence[LengthOfMotion], panels: int | None = None, *, angles: bool = False
+) -> ReducedModel:
     """The reduced model of a linkage with one driver.
 
     Args:
         press: the linkage.
         coordinates: lengths of the linkage that the model holds too.
         panels: number of panels of equal width, whether these resolve it or not; by default panels are halved until they do.
+        angles: whether some of the coordinates are angles, which may grow by a turn in a period.
 
     Raises:
         SingularityError: see `Linkage.branch`.
@@ -143,18 +146,18 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[LengthOfMotion], p
     measured = _Sizes(len(coordinates), 1e-6 * weight * press.size).missed
     missed = measured if panels is None else lambda values: np.zeros(values.shape[2])
     sampled, points = resolve(lambda angles: sample_rows(press, angles, coordinates), np.linspace(low, high, count + 1), missed)
-    gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period)
+    gains = np.zeros(COORDINATES + len(coordinates)) if period is None else _gains(press, coordinates, low, period, angles)
     _centre_potential(sampled.coefficients)
     return ReducedModel(sampled.borders, sampled.coefficients, period, gains, points, branch.coordinate)
 
 
-def _gains(press: Linkage, coordinates: Sequence[LengthOfMotion], start: float, period: float) -> Array:
+def _gains(press: Linkage, coordinates: Sequence[LengthOfMotion], start: float, period: float, turning: bool) -> Array:
     """(rows,) by how much the rows of a model grow in a period.
 
     Raises:
         SimulationError: a slide does not come back, and a row changes otherwise than by a constant.
     """
-    if not (press.advancing.any() or press.joint_springs):  # the angle of a joint with a spring may grow by a turn
+    if not (press.advancing.any() or turning):
         return np.zeros(COORDINATES + len(coordinates))
     angles, rounding = start + period * np.linspace(0.0, 1.0, 36, endpoint=False), 1e-9  # as a share of the rows
     first, second = (sample_rows(press, angles + moved, coordinates) for moved in (0.0, period))

@@ -42,7 +42,7 @@ from ..kinematics.cycle import doubt_speeds, period_at
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import AskedLoad, as_given
-from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.link import Load, PointForce, PointMoment, Spring
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
 SLOW = 1e-9  # share of the highest speed at which inertia is below rounding, but the slide still has a direction of travel
@@ -146,7 +146,7 @@ def operating_points(
         raise PinpressError("speeds: give only positive or only negative speeds, not 0, because loads depend on the direction of travel")
     units = wrap_laws(list(unit_load) if isinstance(unit_load, Sequence) else [unit_load])
     constant = wrap_laws(list(loads))
-    if any(isinstance(load, SpringDamper) for load in units):
+    if any(isinstance(load, Spring) for load in units):
         raise PinpressError("unit_load has a spring or damper, which has no amplitude: give it in loads")
     if any(isinstance(load, TimeForce) for load in (*units, *constant)):
         raise PinpressError("a TimeForce depends on time and thus on the speed: use sweep, which computes every point")
@@ -238,6 +238,9 @@ def _multiplied(load: Load, factor: float) -> Load:
     if isinstance(load, PointForce):
         law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
         return replace(load, force=law)
+    if isinstance(load, PointMoment):
+        of_moment = partial(_times, factor, load.moment) if callable(load.moment) else factor * load.vectors(load.moment)
+        return replace(load, moment=of_moment)
     if isinstance(load, ProcessLoad) and not isinstance(load, type):
         return _Multiplied(as_given(load), load.errors if isinstance(load, AskedLoad) else np.geterr(), factor)
     return load  # inverse dynamics refuses it

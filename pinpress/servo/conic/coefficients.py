@@ -26,7 +26,7 @@ from ...kinematics.cycle import moved
 from ...kinematics.motion import Motion
 from ...kinematics.slide_path import ROUNDING, dead_centres
 from ...linkage.linkage import Linkage
-from ...loads.link import Friction, Load, PointForce, SpringDamper
+from ...loads.link import Friction, LinkLoad, Load, PointForce, PointMoment, Spring
 from ...loads.process import ProcessLoad, TimeForce, datum
 from ..paths import PathLegs
 
@@ -132,7 +132,7 @@ def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
     """Heights above bottom dead centre at which process loads begin or end [m]."""
     bottom, heights = dead_centres(press).bottom_position, []
     for load in loads:
-        if isinstance(load, PointForce | SpringDamper | TimeForce) or not isinstance(load, ProcessLoad):
+        if isinstance(load, LinkLoad | TimeForce) or not isinstance(load, ProcessLoad):
             continue
         intervals = [*load.intervals(True), *load.intervals(False)]
         zero = datum(load, press) if intervals else 0.0
@@ -144,10 +144,10 @@ def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list
     """Names of the loads whose torque depends on the speed in another way than by its square."""
     names = ["friction of bearings"] if friction else []
     for load in loads:
-        if isinstance(load, SpringDamper):
+        if isinstance(load, Spring):
             names += ["a damper"] if np.any(load.damping) else []
-        elif isinstance(load, PointForce):
-            names += ["a force that is a function of the motion"] if callable(load.force) else []
+        elif isinstance(load, PointForce | PointMoment):
+            names += ["a force that is a function of the motion"] if _is_function(load) else []
         elif isinstance(load, ProcessLoad) and any(each.heeds_velocity for down in (True, False) for each in load.intervals(down)):
             names.append(f"{type(load).__name__}, which depends on the slide's speed")
     return list(dict.fromkeys(names))
@@ -184,7 +184,7 @@ def coefficients(
     angle[1::3], angle[2::3] = grid.angle[:-1] + inner * grid.step
     way = np.concatenate([np.repeat(grid.way, 3), grid.way[-1:]])
     zero, one = np.zeros_like(angle), np.ones_like(angle)
-    still = [replace(load, damping=0.0) if isinstance(load, SpringDamper) else load for load in loads if not _feels_travel(load)]
+    still = [replace(load, damping=0.0) if isinstance(load, Spring) else load for load in loads if not _feels_travel(load)]
     unit = _moved(press, angle, one, zero)
     at_rest, accelerated, moving, alone = (
         inverse_dynamics(press, motion, given, bearings=bearings)
@@ -262,7 +262,11 @@ def segment_means(values: Array, inner: Array) -> Array:
 
 def _feels_travel(load: Load) -> bool:
     """Whether a load depends on the direction of travel: a load of the process, or a function of the motion."""
-    return callable(load.force) if isinstance(load, PointForce) else not isinstance(load, SpringDamper)
+    return _is_function(load) if isinstance(load, PointForce | PointMoment) else not isinstance(load, Spring)
+
+
+def _is_function(load: PointForce | PointMoment) -> bool:
+    return callable(load.force if isinstance(load, PointForce) else load.moment)
 
 
 def _holding(press: Linkage, grid: PathGrid, loads: Sequence[Load]) -> Array:

@@ -16,7 +16,7 @@ from ...common.quantities import Array
 from ...common.results import Record
 from ...kinematics.cycle import motion_through_change_points
 from ...linkage.linkage import Linkage
-from ..driven_press import Coordinate, JointPosition
+from ..driven_press import Coordinate, Length, WorkOfForce
 from ..reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ class FullDynamics:
         self.press, self.size = press, len(press.joints)
         self.drivers, self.crank = list(press.driver_indices), press.driver_indices[0]
         self.coordinates, self.inertia = tuple(coordinates), inertia
-        self.of_points = any(not isinstance(coordinate, JointPosition) for coordinate in coordinates)
+        self.of_points = any(isinstance(coordinate, Length | WorkOfForce) for coordinate in coordinates)
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
         self.alone = len(self.drivers) == 1

@@ -15,7 +15,8 @@ import numpy as np
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....engines.planar.model import to_complex
-from ...driven_press import Coordinate, End, JointPosition, Length, WorkOfForce
+from ....engines.structure import drawn_placements
+from ...driven_press import Coordinate, End, JointPosition, Length, Turn, WorkOfForce, WorkOfMoment
 from .geometry import BodyState, Geometry
 from .plane import DrawnBodies, Lines, PlaneGeometry
 from .sprung_press import SprungPress
@@ -115,6 +116,28 @@ class LinePath:
         return PathMotion(at.extension[:, 0] + self.offset, at.opening[:, 0], gradient, sprung.to_free_twice(bend))
 
 
+@dataclass(frozen=True, eq=False)
+class AnglePath:
+    """Angle of a body of a plane against another one.
+
+    Attributes:
+        bodies: the bodies.
+        factor: of the angle, which is positive about the plane's normal; a moment, along which the value is its work.
+        outside: whether the first body is the ground also where the frame stands on mounts.
+    """
+
+    bodies: tuple[int, int]
+    factor: float
+    outside: bool = False
+
+    def over(self, sprung: SprungPress, state: BodyState) -> PathMotion:
+        gradient = np.zeros_like(state.coordinates)
+        for body, sign in zip(self.bodies, (-1.0, 1.0), strict=True):
+            gradient[:, 3 * body + 2] += sign * self.factor
+        value, count = np.einsum("nk,nk->n", gradient, state.coordinates), gradient.shape[1]
+        return _path(sprung, state, value, gradient, np.zeros((len(value), count, count)))
+
+
 def _path(sprung: SprungPress, state: BodyState, value: Array, gradient: Array, bend: Array) -> PathMotion:
     """A path, of derivatives by all coordinates."""
     return PathMotion(value, np.einsum("nk,nk->n", gradient, state.rates), sprung.to_free(gradient), sprung.to_free_twice(bend))
@@ -131,6 +154,12 @@ def load_path(sprung: SprungPress, coordinate: Coordinate) -> LoadPath:
     if isinstance(coordinate, Length):
         (first, one), (second, two) = place.of(coordinate.first), place.of(coordinate.second)
         return LengthPath((first, second), (one, two), place.height(coordinate.second) - place.height(coordinate.first))
+    if isinstance(coordinate, Turn):
+        first, second = coordinate.turn.bodies
+        axis = drawn_placements(press.model)[second].rotation @ coordinate.turn.axis
+        return AnglePath((place.body(first), place.body(second)), float(axis @ place.normal))
+    if isinstance(coordinate, WorkOfMoment):
+        return AnglePath((place.body(0), place.body(coordinate.joint)), float(coordinate.moment @ place.normal), not coordinate.braced)
     assert isinstance(coordinate, WorkOfForce)
     return PointPath(*place.of(coordinate.end), place.vector(coordinate.force), 0.0)
 
@@ -153,6 +182,18 @@ class _Places:
             return geometry.count, np.asarray(point, dtype=float)
         body = geometry.joints.index(joint)
         return body, geometry.own_axes[body].T @ (np.asarray(point, dtype=float) - geometry.lever[body])
+
+    def body(self, joint: int) -> int:
+        """The body of a Pinocchio joint."""
+        return self.of((joint, np.zeros(3)))[0]
+
+    @property
+    def normal(self) -> Array:
+        """The plane's normal in the world, about which angles of bodies are positive."""
+        if self.bodies is None:
+            name = self.press.name
+            raise PinpressError(f"{name} moves in space, where elastic motion takes no moments and torsion springs: leave them out")
+        return self.bodies.plane.normal
 
     def vector(self, along: Array) -> Array:
         """A vector of world axes in those of the geometry."""
@@ -179,7 +220,7 @@ class _Places:
 def refuse_on_flexible_links(sprung: SprungPress, paths: Sequence[LoadPath]) -> None:
     """Raise PinpressError where a load acts on a link that bends: nothing says which of its nodes it moves."""
     for path in paths:
-        bodies = (path.body,) if isinstance(path, PointPath) else path.bodies if isinstance(path, LengthPath) else ()
+        bodies = (path.body,) if isinstance(path, PointPath) else path.bodies if isinstance(path, LengthPath | AnglePath) else ()
         for link in sprung.geometry.flexible if isinstance(sprung.geometry, PlaneGeometry) else ():
             if link.body in bodies:
                 raise PinpressError(
@@ -203,6 +244,9 @@ def from_frame(sprung: SprungPress, paths: Sequence[LoadPath], slide: bool) -> t
                 (base, complex(arm - centre)) if body == ground else (body, arm) for body, arm in zip(path.bodies, path.arms, strict=True)
             ]
             counted.append(replace(path, bodies=(ends[0][0], ends[1][0]), arms=(ends[0][1], ends[1][1])))
+        elif isinstance(path, AnglePath) and not path.outside:
+            one, two = (base if body == ground else body for body in path.bodies)
+            counted.append(replace(path, bodies=(one, two)))
         else:
             counted.append(path)
     return tuple(counted)
