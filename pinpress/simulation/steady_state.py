@@ -20,12 +20,13 @@ from ..common.parameters import refuse_scenarios
 from ..common.quantities import RPM, Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..dynamics.applied_loads import turn_of_spring
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.cycle import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads.caller_laws import LawError
-from ..loads.link import Friction, Load
+from ..loads.link import Friction, Load, TorsionSpring
 from .driven_press import DrivenPress, driven_press, motor_against
 from .elastic.description import Elastic
 from .failures import failure, name_driver_in_errors
@@ -141,6 +142,7 @@ def steady_state_near(
     driven = driven_press(press, tried_drive, flywheel, loads, None, None, friction)
     if elastic is None or driven.prescribed is None:
         _refuse_without_steady_state(driven, drive, near)
+    _refuse_winding_springs(press, loads)
     doubt_speeds(press, near)
     if elastic is not None:
         from .elastic.press.assembly import opening_press  # rigid periods need nothing of these, and they are large
@@ -156,6 +158,14 @@ def steady_state_near(
         speeds = period.at(np.zeros(1), complete=False).speed[:, 0]
         problem = SimulationProblem(driven, "reduced", np.array([start]), speeds, period.segments[-1].end, tolerance)
         return as_run(problem, period, points, began)
+
+
+def _refuse_winding_springs(press: Linkage, loads: Sequence[Load]) -> None:
+    """Raise PinpressError for a torsion spring that is wound up by turns, and thus never back."""
+    gain = press.branch_through_change_points.gain_per_period
+    for load in loads:
+        if isinstance(load, TorsionSpring) and load.stiffness and abs(turn_of_spring(load, press).angle(gain)) > 1e-9:  # rounding [rad]
+            raise PinpressError(f"{load.label}: every period winds it up by a turn, so that there is no steady state: give only damping")
 
 
 def _rigid_period(driven: DrivenPress, speed: float, tolerance: float, angle: float) -> Trajectory:
