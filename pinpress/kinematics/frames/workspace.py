@@ -176,9 +176,9 @@ def _flood(press: Linkage, grid: Array) -> _Flooded:
     while waiting:
         i, k, (across, up) = waiting.pop()
         line: list[tuple[int, int]] = []
-        while 0 <= i + (len(line) + 1) * across < shape[0] and 0 <= k + (len(line) + 1) * up < shape[1]:
-            node = (i + (len(line) + 1) * across, k + (len(line) + 1) * up)
-            if reached[node]:
+        for step in range(1, shape[0]):
+            node = (i + step * across, k + step * up)
+            if not (min(node) >= 0 and max(node) < shape[0]) or reached[node]:
                 break
             line.append(node)
         if not line:

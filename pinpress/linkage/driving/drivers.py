@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -46,39 +45,27 @@ class Proposal(Record):
         return f"drivers={list(self.drivers)!r} (conditioning {self.conditioning:.2f} of 1{second})"
 
 
-class Settled(NamedTuple):
-    """A linkage with its held joints and passive coordinates, and what is to be said of its drivers.
-
-    Attributes:
-        press: the linkage.
-        findings: warnings.
-    """
-
-    press: Linkage
-    findings: tuple[Finding, ...]
-
-
 def is_press(press: Linkage) -> bool:
     """Whether a slide works, which is no driver. Every freedom of such a linkage has a driver, or a loop was forgotten."""
     return press.slide is not None and press.joints[press.slide_guide.joint] not in press.motors
 
 
-def settle(press: Linkage) -> Settled:
+def settle(press: Linkage) -> tuple[Linkage, tuple[Finding, ...]]:
     """The linkage with what its drivers leave free: spins and swings held, sprung joints, those of a floating base and others as passive
-    coordinates. Of drivers that depend on each other independent ones are left.
+    coordinates. Of drivers that depend on each other independent ones are left. And warnings of these drivers.
 
     A press, and a linkage that cannot be put together, stay as they are where the drivers do not fit; `checks.assembly.errors` says why. So
     does one without drivers, unless springs and base are all that moves.
     """
     assembly, called = press.assembly, press.document.called("robot", press.name)
     if not assembly.closes or (assembly.determined and (is_press(press) or len(press.drivers) < 2)):
-        return Settled(press, ())
+        return press, ()
     ways = _without_ratios(press, free_ways(press.structure, columns_at(press.structure, press.closed)))
     named = [press.joints.index(driver) for driver in press.drivers]
     if assembly.determined:
-        return Settled(press, tuple(_weak(called, press.drivers, conditioning(ways, named))))
+        return press, tuple(_weak(called, press.drivers, conditioning(ways, named)))
     if ways.shape[1] > generic_ways(press.structure, press.closed):
-        return Settled(press, ())  # two assemblies meet here
+        return press, ()  # two assemblies meet here
     weights = np.zeros(press.model.nv)
     weights[named] = np.maximum(preferences(press)[named], 1e-2)  # one with a spring may be driven, if it is named
     independent = pivots(ways, weights)
@@ -86,14 +73,14 @@ def settle(press: Linkage) -> Settled:
     free = press.undriven(motors)
     refused = free.of("passive") if not named else motors != press.drivers or free.of("swing", "passive") if is_press(press) else not motors
     if refused:
-        return Settled(press, ())
+        return press, ()
     passive = free.of("spring", "base", "passive")
     findings = list(_weak(called, motors, conditioning(ways, [press.joints.index(name) for name in motors])))
     if dropped := [name for name in press.drivers if name not in motors]:
         problem = f"{len(named)} drivers are named, but only {len(motors)} move it independently in this pose"
         remedy = f"torques would not be unique, so it is loaded without {', '.join(dropped)}, as with drivers={list(motors)!r}"
         findings.append(Finding("warning", called, None, problem, remedy))
-    return Settled(replace(press, drivers=(*motors, *passive), passive=passive, held=free.of("spin", "swing")), tuple(findings))
+    return replace(press, drivers=(*motors, *passive), passive=passive, held=free.of("spin", "swing")), tuple(findings)
 
 
 def _weak(called: str, drivers: Sequence[str], least: float) -> list[Finding]:
