@@ -70,11 +70,10 @@ def mjcf(press: Linkage) -> Iterator[str]:
     closed = press.closed
     drawn = closed if np.abs(closed).max() > DRAWN else np.zeros_like(closed)
     tree = _Tree.of(press, drawn)
-    tendons = [(relation, f"tendon_{relation.name}") for relation in press.relations if len(relation.coefficients) > 2]
-    named = dict(tendons)
+    tendons = {relation: f"tendon_{relation.name}" for relation in press.relations if len(relation.coefficients) > 2}
     sections = {
-        "tendon": [_tendon(press, relation, name) for relation, name in tendons],
-        "equality": [*_closings(press), *(_related(press, drawn, relation, named.get(relation, "")) for relation in press.relations)],
+        "tendon": [_tendon(press, relation, name) for relation, name in tendons.items()],
+        "equality": [*_closings(press), *(_related(press, drawn, relation, tendons.get(relation, "")) for relation in press.relations)],
         "actuator": [tag("motor", {"name": name, "joint": name} | _effort(press, name)) for name in press.motors],
         "keyframe": [tag("key", {"name": "home", "qpos": as_text(tree.start(closed))})],
     }
