@@ -37,10 +37,17 @@ def test_a_map_has_the_values_at_their_places():
     assert places[0, :, 0] == pytest.approx(1e-3 * forces)
     values = np.asarray(mesh.get_array()).reshape(3, 2)
     assert values == pytest.approx(found.grid("largest_driving_torque")[[1, 2, 0]], rel=1e-12)
-    assert len(pp.plots.draw(found, "map").axes) == len(found.results)
     alone = pp.sweeps.operating_points(press, [7.0], forces=forces, unit_load=pp.loads.ConstantForce(1.0, 0.02))
     with pytest.raises(pp.PinpressError, match="has no charts"):
         pp.plots.draw(alone)
+
+
+@pytest.mark.exhaustive
+def test_each_result_has_a_map():
+    found = pp.sweeps.operating_points(
+        texts.shipped("crank_slide"), [7.0, 14.0], forces=[0.0, 2e4], unit_load=pp.loads.ConstantForce(1.0, 0.02)
+    )
+    assert len(pp.plots.draw(found, "map").axes) == len(found.results)
 
 
 def test_a_map_has_the_singular_poses_over_its_colours():

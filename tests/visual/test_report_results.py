@@ -311,15 +311,16 @@ def test_results_of_a_press_of_the_same_name_are_refused(tmp_path: Path) -> None
     press, again = pp.build(**TABLE), pp.build(**TABLE)
     longer = pp.build(**TABLE | {"pins": TABLE["pins"] | {"W": {"P": 450, "x": 0, "side": "down"}}})
     heavier = pp.build(**TABLE | {"links": TABLE["links"] | {"slide": {"pins": "W", "guide": "up", "mass": 95}}})
+    another = texts.shipped("crank_slide")
+    turns = {other: pp.cycle(other, 2.0, points=24) for other in (longer, heavier, again, another)}
     for result in results_of(press):
         for other in (longer, heavier):
             with pytest.raises(pp.PinpressError, match="is of a table with other lengths, masses or zero, the page of table"):
-                pp.report(other, pp.cycle(other, 2.0, points=24), tmp_path / "out.html", results=[result])
-        another = texts.shipped("crank_slide")
+                pp.report(other, turns[other], tmp_path / "out.html", results=[result])
         with pytest.raises(pp.PinpressError, match="is of table, the page of crank_slide"):
-            pp.report(another, pp.cycle(another, 2.0, points=24), tmp_path / "out.html", results=[result])
+            pp.report(another, turns[another], tmp_path / "out.html", results=[result])
         assert list(tmp_path.iterdir()) == []
-        pp.report(again, pp.cycle(again, 2.0, points=24), tmp_path / "out.html", results=[result]).unlink()
+        pp.report(again, turns[again], tmp_path / "out.html", results=[result]).unlink()
 
 
 def test_what_has_no_section_is_refused_by_name(press: Any, loaded: Any, tmp_path: Path) -> None:
