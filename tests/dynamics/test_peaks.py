@@ -47,6 +47,7 @@ def largest(value):
     return max(abs(value.smallest), abs(value.largest))
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("points", [90, 181, 720])
 @pytest.mark.parametrize("angle", [-37.0, 12.3])

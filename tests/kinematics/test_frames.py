@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 from support import texts
 from support.generators import spatial_linkages
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.engines.pinocchio.equations import OneConfiguration
@@ -28,7 +29,7 @@ MADE = {
 }
 
 
-@pytest.fixture(params=MADE)
+@pytest.fixture(params=rest_exhaustive(MADE, *MADE.keys() - {"bricard"}))
 def case(request):
     press, frame, reach = MADE[request.param]()
     positions = np.random.default_rng(7).uniform(-reach, reach, (9, len(press.drivers)))

@@ -34,6 +34,7 @@ def reachable(press, reach, count, seed=3):
     return positions[inside][:count]
 
 
+@pytest.mark.one_in(2)  # each robot once
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of the files
 @pytest.mark.parametrize("oriented", [False, True])
 @pytest.mark.parametrize("name", ROBOTS)

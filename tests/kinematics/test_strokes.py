@@ -180,6 +180,7 @@ def test_a_screw_that_pushes_a_knee_through():
     assert pp.dead_centres(texts.load(sliding_presses.TOGGLE)).strokes == 1
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("gain", ["-2", "-1.5", "3"])
 def test_energy_and_springs_of_a_stroke(tmp_path, gain):
     """A flywheel takes up and gives off the same energy in each of equal strokes; speeds on springs are given in strokes."""

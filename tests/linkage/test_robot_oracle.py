@@ -321,7 +321,12 @@ def test_hinges_with_rounded_numbers(family, digits, seed, tmp_path):
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 6))])
 @pytest.mark.parametrize(
     ("family", "kind", "sprung"),
-    [("five_bar", "hinge", "B"), ("sliding_bar", "ball", "slide_r"), ("wrist", "hinge", "m2"), ("cut_rod", "weld", None)],
+    [
+        ("five_bar", "hinge", "B"),
+        ("sliding_bar", "ball", "slide_r"),
+        ("wrist", "hinge", "m2"),
+        pytest.param("cut_rod", "weld", None, marks=pytest.mark.exhaustive),
+    ],
 )
 def test_springs_dampers_and_rotors_of_mjcf(family, kind, sprung, seed, tmp_path):
     pytest.importorskip("mujoco")

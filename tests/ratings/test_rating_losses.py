@@ -34,6 +34,7 @@ def utilisation(press, found, name, force):
     return np.linalg.norm(reactions.bearing_force[bearing], axis=1) / found.capacities.bearings[bearing]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide"])
 def test_permissible_forces_by_hand(name):
     """The torque of the press written out by hand is the capacity where it governs; pins bear just theirs (friction, weight, inertia)."""
@@ -72,6 +73,7 @@ def test_a_nominal_height_stands_for_the_torque_with_friction():
     assert found.speed_limit is None
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "given", [{}, {"at_speed": True}, {"at_speed": True, "loads": [CYLINDER]}, {"at_speed": True, "loads": [CYLINDER], "viscous": 30.0}]
 )

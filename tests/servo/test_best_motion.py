@@ -111,6 +111,7 @@ def test_at_least_rms_the_least_time_is_the_time_of_least_heat():
     assert quick.value == pytest.approx((12.0 * FULL**2) ** 0.25, rel=2e-5)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b"])
 def test_bang_bang_of_a_linkage(name):
     """Without weight, E = (M + J) b / 2 rises by torque x way up to the middle, and falls as fast."""

@@ -35,7 +35,7 @@ def computed_torque(arm):
 def test_computed_torque_leaves_the_error_of_a_double_pole(arm):
     """The error decays by (1 + p t) exp(-p t), whatever the mechanism does."""
     start = np.array([0.05, -0.03])
-    run = pp.simulate(arm, 0.15, drive=computed_torque(arm), angle=start, tolerance=1e-8, points=16)
+    run = pp.simulate(arm, 0.1, drive=computed_torque(arm), angle=start, tolerance=1e-8, points=16)
     decay = (1 + POLE * run.time) * np.exp(-POLE * run.time)
     followed = np.array([wanted(time)[0] for time in run.time])
     np.testing.assert_allclose(run.crank_angle - followed, np.outer(decay, start), rtol=0, atol=2e-8)
