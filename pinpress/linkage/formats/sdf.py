@@ -433,9 +433,8 @@ class _Reader:
         single = [Joint(name, "revolute", "", "", here if k else place, axes[k], origin) for k, name in enumerate(names)]
         joints, links = in_series(single, parent, child, between)
         if bearing.type == "ball":
-            self.balls.append(tuple(joint.name for joint in joints))
-        names = ", ".join(joint.name for joint in joints)
-        problem = f"a {bearing.type} joint of the tree is made of revolute joints: {names}"
+            self.balls.append(tuple(names))
+        problem = f"a {bearing.type} joint of the tree is made of revolute joints: {', '.join(names)}"
         self.remarks.append(remark("note", bearing.element, problem, ""))
         return joints, links
 
