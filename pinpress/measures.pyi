@@ -24,6 +24,8 @@ from .kinematics.phases import StrokePhase as StrokePhase
 from .kinematics.phases import phases as phases
 from .kinematics.slide_path import DeadCentres as DeadCentres
 from .kinematics.slide_path import SlideMotion as SlideMotion
+from .kinematics.traces import PointTrace as PointTrace
+from .kinematics.traces import trace as trace
 from .kinematics.transmission_angles import Dyad as Dyad
 from .kinematics.transmission_angles import DyadAngles as DyadAngles
 from .kinematics.transmission_angles import least_transmission_angles as least_transmission_angles

@@ -17,10 +17,10 @@ from ..common.errors import PinpressError, UnknownNameError, cautions_collected,
 from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..common.results import Record
-from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
+from ..kinematics.poses import point_on_body
 from ..linkage.linkage import Linkage, first_unphysical
 from ..loads.link import Load, PointForce, check_point
 

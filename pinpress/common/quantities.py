@@ -259,6 +259,7 @@ QUANTITIES = (
     Quantity("share", "-", (("%", 1e-2, 0.0),)),
     Quantity("number", "-", (), {"%": 1e-2}),
     Quantity("density", "kg/m3", (), {"t/m3": 1e3}),
+    Quantity("curvature", "1/m", (), {"1/mm": 1e3}),
     Quantity("area", "m2", (), {"cm2": 1e-4, "mm2": 1e-6}),
     Quantity("volume", "m3", (), {"l": 1e-3, "cm3": 1e-6}),
     Quantity("voltage", "V", (), {"kV": 1e3}),

@@ -6,19 +6,18 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
 from ..common.arguments import numbers
-from ..common.errors import PinpressError, UnknownNameError, caution, shown
+from ..common.errors import PinpressError, caution, shown
 from ..common.quantities import GRAVITY, Array
 from ..engines.engine import ClosedStates, Engine
 from ..engines.friction import REST
 from ..engines.structure import drawn_placements, joints_between
 from ..engines.wrenches import AppliedForce
 from ..kinematics.motion import is_cycle
-from ..kinematics.poses import point_motion, rotation_of
+from ..kinematics.poses import body_of, point_motion, point_on_body, rotation_of
 from ..kinematics.slide_path import dead_centres
 from ..loads import caller_laws
 from ..loads.link import LinkLoad, Load, PointForce, PointMoment, SpringDamper, TorsionSpring
@@ -473,28 +472,3 @@ def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array]
     what = load.label
     plausibility.length(f"{what}: free_length", float(load.free_length), press.size)
     return point_on_body(press, load.link1, load.point1, what, "point1"), point_on_body(press, load.link2, load.point2, what, "point2")
-
-
-def point_on_body(press: "Linkage", link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:
-    """The Pinocchio joint to whose body a link belongs, and a point of the link in that joint's frame (3,) [m].
-
-    Args:
-        press: the linkage.
-        link: name of the link.
-        point: (3,) in the link's frame [m].
-        what: what has the point, for messages.
-        name: the argument's name, for messages.
-
-    Raises:
-        UnknownNameError: a link that the linkage does not have.
-    """
-    joint, position = body_of(press, link), np.asarray(point, dtype=float)
-    plausibility.point(f"{what}: {name}", position, press.size)
-    return joint, press.model.frames[press.model.getFrameId(link, pin.BODY)].placement.act(position)
-
-
-def body_of(press: "Linkage", link: str) -> int:
-    """The Pinocchio joint to whose body a link belongs; raises UnknownNameError where the linkage has no such link."""
-    if link not in press.links:
-        raise UnknownNameError("link", link, press.links)
-    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)

@@ -30,9 +30,9 @@ from ..common.errors import PinpressError, caution, cautions_collected, shown
 from ..common.frozen import Frozen, FrozenMapping, read_only
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
-from ..dynamics.applied_loads import point_on_body
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, refuse_motion_of_another
+from ..kinematics.poses import point_on_body
 from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.preloaded_joint import FAINT, STIFFEST
 

@@ -424,7 +424,12 @@ SECTIONS: Mapping[str, Section] = {
     ),
     "points": Section(Whole(), "States of a period at constant speed.", "points: 720"),
     "traces": Section(
-        Named(Rows("m"), "{rod: 0 0 400 mm}"), "Points of links whose paths are drawn, in the links' frames.", "traces: {rod: 0 0 400 mm}"
+        Named(
+            Either(Rows("m"), keys("{link: rod, at: 0 0 400 mm}", {"link": Text(), "at": Numbers("m")}, needed=("link", "at"))),
+            "{rod: 0 0 400 mm}",
+        ),
+        "Points of links whose paths are drawn, in the links' frames: by link, or by a name of their own.",
+        "traces: {T: {link: rod, at: 0 0 400 mm}}",
     ),
     "report": Section(
         keys(

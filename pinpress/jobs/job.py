@@ -27,6 +27,7 @@ from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion
 from ..kinematics.motion_table import read_motion
+from ..kinematics.traces import PointTrace, trace
 from ..linkage.linkage import Linkage
 from ..linkage.loading import presses
 from ..loads.link import Friction, Load, StandingLoad
@@ -408,6 +409,11 @@ class Job(Frozen):
         )
         return run
 
+    def traces(self) -> list[PointTrace]:
+        """The points of ``traces`` over the motion of the job."""
+        motion = self.reactions().motion
+        return [trace(self.press, motion, link, point, name) for name, link, point in named_traces(self)]
+
     def rate(self) -> PressRatings | MotionRatings:
         """The process force that the capacities permit, over the stroke or along the motion.
 
@@ -604,6 +610,8 @@ class NoAnswer(Tabular):
 def results_of(job: Job) -> Iterator[Tabular]:
     """The results of a job in the order of the page."""
     has, moving = job.sections, "motion" in job.sections
+    if "traces" in has:
+        yield from job.traces()
     if "capacities" in has:
         yield job.rate()
     if "motor" in has and not moving and len(job.press.drivers) == 1:
@@ -714,7 +722,16 @@ def shown_points(system: MountedPress) -> Mapping[str, Any]:
 
 def traces_of(job: Job) -> list[tuple[str, Any]]:
     """Links and the points of them whose paths are drawn."""
-    return [(link, point) for link, points in job.sections.get("traces", {}).items() for point in points]
+    return [(link, point) for _, link, point in named_traces(job)]
+
+
+def named_traces(job: Job) -> Iterator[tuple[str | None, str, Any]]:
+    """Name, link and point of the points whose paths are drawn; None for those that stand under their link and have no name."""
+    for name, given in job.sections.get("traces", {}).items():
+        if isinstance(given, dict):
+            yield name, given["link"], given["at"]
+        else:
+            yield from ((None, name, point) for point in given)
 
 
 def motion_of(job: Job) -> Reactions:

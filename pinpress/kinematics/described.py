@@ -19,6 +19,7 @@ from ..linkage.linkage import Linkage
 from .frames.workspace import ReachMap
 from .motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from .slide_path import DeadCentres, dead_centres
+from .traces import PointTrace
 
 
 def described(motion: Motion) -> tuple[Section, ...]:
@@ -160,5 +161,31 @@ def workspace(found: ReachMap) -> tuple[Section, ...]:
     return (Section(f"Workspace of {found.frame}", figures, [*maps, chart]),)
 
 
-SECTIONS = {Motion: lambda motion, page: described(motion), ReachMap: lambda found, page: workspace(found)}
+def point_trace(found: PointTrace) -> tuple[Section, ...]:
+    """The path of a point in the plane of its two widest axes, its speed, acceleration and curvature."""
+    along, position = along_motion(found.motion), finite("position", found.position)
+    wide, high = sorted(np.argsort(np.ptp(position, axis=0))[1:].tolist())
+    closed = [*range(len(position)), *([0] if is_cycle(found.motion) else [])]
+    curve = Curve("path", read_only(position[closed, high]), read_only(position[closed, wide]))
+    sizes = {"velocity": ("m/s", found.velocity), "acceleration": ("m/s2", found.acceleration)}
+    charts = [
+        Chart("path", f"Path, {'xyz'[high]} over {'xyz'[wide]}", "m", Along("xyz"[wide], "m"), [curve], square=True),
+        *(chart(name, f"Size of the {name}", unit, along, {name: np.linalg.norm(each, axis=1)}) for name, (unit, each) in sizes.items()),
+    ]
+    curvature = found.curvature
+    figures = [Figure("largest speed", float(found.speed.max()), "m/s")]
+    if np.isfinite(curvature).all():  # nowhere at rest
+        charts.append(chart("curvature", "Curvature of the path", "1/m", along, {"curvature": curvature}))
+        if curvature.any():
+            figures.append(Figure("least radius of curvature", float(1.0 / curvature.max()), "m"))
+    if is_cycle(found.motion):
+        figures += [Figure("length of the path", found.length, "m"), Figure("area inside the path", found.area, "m2")]
+    return (Section(f"Point {found.name}", figures, charts),)
+
+
+SECTIONS = {
+    Motion: lambda motion, page: described(motion),
+    ReachMap: lambda found, page: workspace(found),
+    PointTrace: lambda found, page: point_trace(found),
+}
 """How results of this room are described."""

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
+from ..common import plausibility
+from ..common.errors import UnknownNameError
 from ..common.quantities import Array
 from ..engines.structure import Axis
 from ..linkage.linkage import Linkage
@@ -77,6 +80,31 @@ def point_motion(press: Linkage, motion: Motion, joint: int, point: Array) -> tu
         return np.broadcast_to(point, (n, 3)), np.zeros((n, 3))
     moved = press.engine().body_motion(motion.states(press), [joint], accelerations=False).points(np.array([point]))
     return moved.place[0].T, moved.velocity[0].T
+
+
+def point_on_body(press: Linkage, link: str, point: ArrayLike, what: str, name: str) -> tuple[int, Array]:
+    """The Pinocchio joint to whose body a link belongs, and a point of the link in that joint's frame (3,) [m].
+
+    Args:
+        press: the linkage.
+        link: name of the link.
+        point: (3,) in the link's frame [m].
+        what: what has the point, for messages.
+        name: the argument's name, for messages.
+
+    Raises:
+        UnknownNameError: a link that the linkage does not have.
+    """
+    joint, position = body_of(press, link), np.asarray(point, dtype=float)
+    plausibility.point(f"{what}: {name}", position, press.size)
+    return joint, press.model.frames[press.model.getFrameId(link, pin.BODY)].placement.act(position)
+
+
+def body_of(press: Linkage, link: str) -> int:
+    """The Pinocchio joint to whose body a link belongs; raises UnknownNameError where the linkage has no such link."""
+    if link not in press.links:
+        raise UnknownNameError("link", link, press.links)
+    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
 
 
 def loaded_bodies(press: Linkage) -> tuple[int, ...]:

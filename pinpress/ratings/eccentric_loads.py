@@ -22,10 +22,10 @@ from ..common.arguments import positive, suitable_numbers, typed
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion
+from ..kinematics.poses import point_on_body
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce
 from .limits import largest_factor, without_masses

@@ -448,6 +448,7 @@ def made():
             limit_uses()[0],
             *checked(),
             workspace(),
+            pp.measures.trace(press(), motion(), "rod", (0.1, 0.0, 0.05), "T"),
         ),
         *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion()), motor_energy()),
         *(pp.measures.driving_energy(reactions()), pp.measures.harmonics(motion(), motion().v), pp.measures.extremes(reactions())[0]),

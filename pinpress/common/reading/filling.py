@@ -437,7 +437,7 @@ class Either:
 
     def read(self, entry: Entry, around: Around) -> Any:
         """The value, or the part."""
-        if isinstance(entry.value, str | float):
+        if isinstance(entry.value, str | float) or (isinstance(entry.value, tuple) and isinstance(self.alone, Rows)):
             value = self.alone.read(entry, around)
             with naming(entry):
                 return value if self.into is None else self.into(value)
