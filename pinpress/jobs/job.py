@@ -410,8 +410,8 @@ class Job(Frozen):
         return run
 
     def traces(self) -> list[PointTrace]:
-        """The points of ``traces`` over the motion of the job."""
-        motion = self.reactions().motion
+        """The points of ``traces`` over the motion that the page of the job shows."""
+        motion = motion_of(self).motion
         return [trace(self.press, motion, link, point, name) for name, link, point in named_traces(self)]
 
     def rate(self) -> PressRatings | MotionRatings:
