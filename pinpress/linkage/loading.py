@@ -57,7 +57,7 @@ def load(
         driver: name of the driven joint, or names of as many as the linkage has degrees of freedom; default: those in the file's
             ``<transmission>`` elements.
         slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
-            "slide_guide", or the only link so guided.
+            "slide_guide", or the only link so guided, unless it is the base of a robot, which carries all else that moves.
         gravity: in world axes [m/s2].
         drivers: another name of ``driver``.
         base: what a free joint of the file does: "fixed": it holds its body where the file draws it; "floating": it is free. Its six
@@ -204,7 +204,7 @@ def build(
             *(_relation(relation, places) for relation in description.relations),
         ),
         drivers=drivers,
-        slide=_slide(description, slide),
+        slide=_slide(description, slide, drivers),
         joint_springs=description.joint_springs,
     )
 
@@ -295,12 +295,12 @@ def _relation(relation: DescribedRelation, places: Mapping[str, int]) -> Relatio
     return Relation(relation.joints[0], coefficients, relation.offset / first, relation.line)
 
 
-def _slide(description: Description, slide: str | None) -> str | None:
+def _slide(description: Description, slide: str | None, drivers: Sequence[str]) -> str | None:
     """Name of the slide link: that of the argument, else as `load` chooses it."""
     guided = description.guided
     if slide is None:
         by_joint = {joint: link for link, joint in guided.items()}
-        only = next(iter(guided)) if len(guided) == 1 else None
+        only = next(iter(guided)) if len(guided) == 1 and not _is_base(description, *guided.values(), drivers) else None
         return "slide" if "slide" in guided else by_joint.get("slide_guide", only)
     if not isinstance(slide, str) or slide not in description.links:
         raise UnknownNameError("link", slide, description.links)
@@ -309,3 +309,12 @@ def _slide(description: Description, slide: str | None) -> str | None:
             f"link {shown(slide)} is not guided by the frame{suggestion(slide, guided)}; guided links: {', '.join(guided) or 'none'}"
         )
     return slide
+
+
+def _is_base(description: Description, guide: str, drivers: Sequence[str]) -> bool:
+    """Whether a slide is the base of a robot that floats in a plane: all that moves hangs on it, drivers as well, and nothing but its guide
+    joins it to the frame."""
+    bodies, root = description.bodies, description.root
+    on_frame = [joint.name for joint in description.joints if joint.type != "fixed" and bodies[joint.parent] == root]
+    looped = any(bodies[end.link] == root for loop in description.loops for end in (loop.link1, loop.link2))
+    return bool(drivers) and guide not in drivers and on_frame == [guide] and not looped

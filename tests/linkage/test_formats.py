@@ -154,8 +154,21 @@ def test_a_joint_of_gazebo_may_have_its_axis_in_the_frame_of_the_model():
     assert press.loops[0].rotation1[:, 0] == pytest.approx([0, -1, 0], abs=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("frame", "at"),
+    [("rod", "0.4 0 0"), ("slide", "0 0 0"), ("P", "0.4 0 0"), ("O", "0.5 0 0"), ("slide_guide", "0 0 0"), ("__model__", "0 0 -0.5")],
+)
+def test_a_joint_of_gazebo_may_be_placed_in_another_frame(frame, at):
+    """A link, a joint, whose frame is that of its child, or the model: the same place and axis make the same loop."""
+    axis = f'<axis><xyz expressed_in="{frame}">0 -1 0</xyz></axis>'
+    document = parse(named("press.urdf", crank_slide(GAZEBO.format("revolute", f'<pose relative_to="{frame}">{at} 0.5 0 0</pose>{axis}'))))
+    loop = build(document, None, None).loops[0]
+    np.testing.assert_allclose([loop.point1, loop.point2, loop.rotation1[:, 0]], [[0.4, 0, 0], [0, 0, 0], [0, -1, 0]], rtol=0, atol=1e-15)
+
+
 COUPLING = '<coupling name="c"><predecessor link="{}"/><successor link="{}"/><ratio value="{}"/></coupling>'
 DIALECT_REFUSED = [
+    (GAZEBO.format("ball", '<pose relative_to="rot">0 0 0 0 0 0</pose>'), "<pose>.*: no frame 'rot'; name a link or joint of this file"),
     (BUSHING.format("5 0 0", "1 2 3"), "<drake:linear_bushing_rpy>: a bushing is elastic, and this one is neither a pin"),
     (BUSHING.format("0 0 0", "1 0 3"), "neither a pin .* nor a ball joint"),
     (BALL.replace('name="rod"', 'name="rot"'), "<drake:ball_constraint> ball_rot_slide: no link 'rot', did you mean 'rod'"),

@@ -402,6 +402,34 @@ def test_a_press_refuses_what_a_robot_may_leave_free():
         texts.load(ram)
 
 
+def test_a_slide_that_carries_all_else_is_the_base_of_a_robot():
+    """A leg on two slides: it falls freely, whatever its hip does."""
+    body = '<link name="{}"><inertial><origin xyz="0.1 0 -0.2"/><mass value="3"/>'
+    body += '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    joint = '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/><axis xyz="{}"/><limit lower="-9" upper="9" effort="1" velocity="1"/></joint>'
+    joints = [
+        ("x", "prismatic", "frame", "cart", "1 0 0"),
+        ("z", "prismatic", "cart", "hip", "0 0 1"),
+        ("hip", "revolute", "hip", "leg", "0 1 0"),
+    ]
+    drive = '<transmission name="t"><joint name="hip"/></transmission>'
+    urdf = "".join([*map(body.format, ("cart", "hip", "leg")), *(joint.format(*each) for each in joints), drive])
+    urdf = f'<robot name="hopper"><link name="frame"/>{urdf}</robot>'
+    with pytest.warns(pp.PinpressWarning, match="no driver moves joints 'x', 'z': hip leaves 2 free"):
+        press = pp.load(texts.file(urdf))
+    assert (press.slide, press.motors, press.passive) == (None, ("hip",), ("x", "z"))
+    motion = pp.servo_cycle(press, angle=[[0.3, 0.1, 0.2]], speed=[[2.0, 0.5, -0.4]], acceleration=[[4.0, 0.0, 0.0]])
+    found = pp.inverse_dynamics(press, motion).motion
+    data = press.model.createData()
+    pin.centerOfMass(press.model, data, found.joint_position[0], found.v[0], found.a[0])
+    lowest = press.model.inertias[1].mass  # the cart does not fall: it hangs on the guide x
+    total = sum(inertia.mass for inertia in press.model.inertias)
+    assert data.acom[0][0] == pytest.approx(0.0, abs=1e-12)
+    assert data.acom[0][2] * total == pytest.approx(-9.81 * (total - lowest), rel=1e-12)
+    with pytest.raises(pp.UrdfError, match="mobility is 3, but one joint drives"):
+        texts.load(urdf, slide="cart")
+
+
 def test_of_several_drivers_one_at_its_dead_point_is_left_out():
     """Coupler and rocker in line: the crank cannot move, they can. A single driver there is refused."""
     line = {'0.4 0 0.05"/><link2': '0.15 0 -0.15"/><link2', '"0.1 0 0.35"': '"-0.15 0 0.15"'}

@@ -46,6 +46,7 @@ BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "dr
 Said = Callable[[Element], str]
 """Returns the name or the numbers in an element, as text."""
 
+_MODEL = "__model__"
 _LOOPS = (BALL, BUSHING, "loop", "constraint")
 _REFUSED = {
     "drake:joint": "write revolute, continuous, prismatic or fixed joints, or a loop: Pinocchio does not read this element",
@@ -313,7 +314,7 @@ def _world(document: Document, text: Text, origins: dict[tuple[int, str], Origin
 
 
 def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) -> Loop:
-    """A joint of SDF as a loop: its pose is that in the frame of the child, and it is closed as drawn."""
+    """A joint of SDF as a loop: its pose is that in the frame of the child unless it says otherwise, and it is closed as drawn."""
     kind = TYPES_OF_LOOPS.get(joint.get("type"))
     if kind is None:
         problem = f"a {joint.get('type')} joint closes no loop here" if joint.get("type") else "has no type"
@@ -323,17 +324,34 @@ def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) ->
     if parent not in places or child not in places:
         lost = parent if parent not in places else child
         refuse(file, joint, f"no link {lost!r} that joints connect to the root", "name a <link> of this file")
-    place = places[child] * pose_of(file, joint)
+    place = places[child]
+    for pose in joint.all("pose"):
+        refuse_unknown_attributes(file, pose, ("relative_to", "degrees", "rotation_format"))
+        place = _frame(file, robot, pose, pose.get("relative_to") or child, places) * pose_of(file, joint)
     axis = None
     if kind == "revolute":
         element = need_child(file, joint, "axis")
-        axis = direction(file, element, need_child(file, element, "xyz").text)
-        in_model = find_child(file, element, "use_parent_model_frame")
-        if in_model is not None and in_model.text.strip() in ("1", "true"):
-            axis = place.rotation.T @ axis
+        xyz, in_model = need_child(file, element, "xyz"), find_child(file, element, "use_parent_model_frame")
+        refuse_unknown_attributes(file, xyz, ("expressed_in",))
+        axis = direction(file, element, xyz.text)
+        frame = _MODEL if in_model is not None and in_model.text.strip() in ("1", "true") else xyz.get("expressed_in")
+        if frame:
+            axis = place.rotation.T @ _frame(file, robot, xyz, frame, places).rotation @ axis
     ends = tuple((link, places[link].inverse() * place) for link in (parent, child))
     name = joint.get("name") or make_unique(f"loop_{parent}_{child}", taken)
     return Loop(name, kind, (ends[0], ends[1]), axis, origin_of(joint))
+
+
+def _frame(file: str, robot: Element, at: Element, name: str, places: dict[str, pin.SE3]) -> pin.SE3:
+    """The placement of the frame of a link or joint, or of the model, which is that of the root; ``at``: the element that names it."""
+    if name == _MODEL:
+        return pin.SE3.Identity()
+    for joint in robot.all("joint"):
+        if joint.get("name") == name:
+            name = need_child(file, joint, "child").get("link")
+    if name not in places:
+        refuse(file, at, f"no frame {name!r}", "name a link or joint of this file")
+    return places[name]
 
 
 def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
