@@ -406,7 +406,8 @@ def test_a_slide_that_carries_all_else_is_the_base_of_a_robot():
     """A leg on two slides: it falls freely, whatever its hip does."""
     body = '<link name="{}"><inertial><origin xyz="0.1 0 -0.2"/><mass value="3"/>'
     body += '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    joint = '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/><axis xyz="{}"/><limit lower="-9" upper="9" effort="1" velocity="1"/></joint>'
+    joint = '<joint name="{}" type="{}"><parent link="{}"/><child link="{}"/><axis xyz="{}"/>'
+    joint += '<limit lower="-9" upper="9" effort="1" velocity="1"/></joint>'
     joints = [
         ("x", "prismatic", "frame", "cart", "1 0 0"),
         ("z", "prismatic", "cart", "hip", "0 0 1"),
