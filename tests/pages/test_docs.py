@@ -58,7 +58,7 @@ RUN += [
 ]
 # these take as long as all others
 LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
-LONG |= {"robots", "several_drivers", "slide_accuracy", "tolerances"}
+LONG |= {"measured_vibration", "robots", "servo", "several_drivers", "synthesis", "slide_accuracy", "tolerances"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "mistakes", "motor", "kong2025", "zhang2007", "chen2002"]
