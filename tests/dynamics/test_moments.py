@@ -159,3 +159,20 @@ def test_refused(name):
     call, message = REFUSED[name]
     with pytest.raises(pp.PinpressError, match=message):
         call()
+
+
+def test_frame_on_mounts():
+    """A moment from outside tilts the frame on its mounts by M / (k - m g h), one that the frame takes itself does not."""
+    press, held, width, above = shipped("crank_slide"), pp.drives.PrescribedSpeed(10.0), 0.6, 0.8
+    frame = pp.foundation.Frame(mass=9000, centre=(0, 0, 0.3), inertia=(3000, 4000, 2500))
+    places = [(x, y, 0.3 - above) for x in (-width, width) for y in (-0.5, 0.5)]
+    mounts = [pp.foundation.Mount(place, (6e6, 6e6, 6e6), (1e5, 1e5, 1e5)) for place in places]
+    springs = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 1e10), moments={"slide_guide": 1e9})
+    elastic = pp.elasticity.Elastic(springs, damping_ratio=0.03, mounted_frame=frame, mounts=mounts)
+    free, taken, none = (
+        pp.steady_state(press, 10.0, drive=held, loads=loads, elastic=elastic, points=73).frame_motion[:-1, 2].mean()
+        for loads in ([pp.loads.PointMoment("rod", 20.0)], [pp.loads.PointMoment("rod", 20.0, on="frame")], [])
+    )
+    stiffness = 4 * 6e6 * width**2
+    assert free - none == pytest.approx(20.0 / (stiffness - 9000 * 9.81 * above), rel=1e-3)  # the linkage is lighter by as much
+    assert abs(taken - none) < 1e-3 * abs(free - none)
