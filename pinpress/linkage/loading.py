@@ -300,7 +300,8 @@ def _slide(description: Description, slide: str | None, drivers: Sequence[str]) 
     guided = description.guided
     if slide is None:
         by_joint = {joint: link for link, joint in guided.items()}
-        only = next(iter(guided)) if len(guided) == 1 and not _is_base(description, *guided.values(), drivers) else None
+        works = [link for link, guide in guided.items() if not _is_base(description, guide, drivers)]
+        only = works[0] if len(guided) == len(works) == 1 else None
         return "slide" if "slide" in guided else by_joint.get("slide_guide", only)
     if not isinstance(slide, str) or slide not in description.links:
         raise UnknownNameError("link", slide, description.links)
