@@ -514,11 +514,11 @@ class _Reader:
             if gravity.text.strip().lower() in ("0", "false"):
                 refuse(self.file, gravity, "gravity acts on all links or none", "remove it; load(..., gravity=(0, 0, 0)) has none")
         inertial = find_child(self.file, element, "inertial")
-        inertia = None if inertial is None else self._inertia(inertial, inside)
-        shapes = [shape for visual in element.all("visual") for shape in self._shapes(visual, inside)]
+        inertia = None if inertial is None else self._inertia(inertial, inside, name)
+        shapes = [shape for visual in element.all("visual") for shape in self._shapes(visual, inside, name)]
         return Link(name, inertia, tuple(shapes), origin_of(element))
 
-    def _inertia(self, element: Element, inside: pin.SE3) -> Inertia:
+    def _inertia(self, element: Element, inside: pin.SE3, link: str) -> Inertia:
         refuse_unknown(self.file, element, _KNOWN["inertial"].split())
         if element.get("auto").lower() in ("1", "true"):
             refuse(self.file, element, "inertia from collision shapes is not computed", "write <mass> and <inertia>")
@@ -532,15 +532,15 @@ class _Reader:
         xx, xy, xz, yy, yz, zz = (self._number(moments, name, 0.0) for name in _KNOWN["inertia"].split())
         tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         for pose in element.all("pose"):
-            if pose.get("relative_to") or pose.get("frame"):
+            if {pose.get("relative_to"), pose.get("frame")} - {"", link}:
                 refuse(self.file, pose, "the pose of an <inertial> is in the frame of its link", "leave out the name of the frame")
         kilograms = float(numbers(self.file, mass, mass.text, 1)[0])
         return Inertia(kilograms, inside * self._pose(element), tensor, origin_of(element))
 
-    def _shapes(self, visual: Element, inside: pin.SE3) -> Iterator[Shape]:
+    def _shapes(self, visual: Element, inside: pin.SE3, link: str) -> Iterator[Shape]:
         geometry = find_child(self.file, visual, "geometry")
         for pose in visual.all("pose"):
-            if pose.get("relative_to") or pose.get("frame"):
+            if {pose.get("relative_to"), pose.get("frame")} - {"", link}:
                 geometry = None
         if geometry is None:
             return
