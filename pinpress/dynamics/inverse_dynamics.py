@@ -77,7 +77,7 @@ def inverse_dynamics(
     refuse_other_joints(press, motion)
     chosen = press.engine(engine)
     indices = _select_bearings(press, bearings)
-    if passive not in PASSIVE:
+    if not isinstance(passive, str) or passive not in PASSIVE:
         raise PinpressError(f"passive is {shown(passive)}: write {', '.join(map(repr, PASSIVE))}")
     asked, motion = motion, filled(press, motion)
     _refuse_change_points(press, motion)

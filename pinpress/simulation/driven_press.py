@@ -28,7 +28,7 @@ from ..engines.structure import drawn_placements
 from ..engines.wrenches import AppliedForce
 from ..kinematics.cycle import slide_at
 from ..kinematics.motion import Motion
-from ..kinematics.poses import point_motion
+from ..kinematics.poses import body_of, point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, PointMoment, SpringDamper, TorsionSpring, is_constant, law
@@ -598,7 +598,7 @@ def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[lis
             if not is_constant(load):
                 raise PinpressError(f"{load.label}: a simulation takes a constant moment, one number or (3,) in world axes [N m]")
             vector = load.vectors(load.moment)
-            joints = [applied_loads.body_of(press, link) for link in (load.link, load.on) if link is not None]
+            joints = [body_of(press, link) for link in (load.link, load.on) if link is not None]
             for link, joint, moment in zip((load.link, load.on), joints, (vector, -vector), strict=False):
                 if link is not None and joint:  # the frame does not move
                     turn = applied_loads.relative_turn(press, press.root, link, load.label)

@@ -21,13 +21,12 @@ from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from ..drives.transmission import Flywheel
-from ..dynamics import applied_loads
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.reactions import Reactions
 from ..engines.branch import predict
 from ..engines.structure import configuration
 from ..kinematics.motion import Motion, refuse_motion_of_another, refuse_other_joints
-from ..kinematics.poses import Poses, bearing_points, poses
+from ..kinematics.poses import Poses, bearing_points, point_on_body, poses
 from ..linkage.linkage import Linkage, is_same_press
 from ..loads.link import check_point
 from ..simulation.run import Run
@@ -231,12 +230,12 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[tupl
     """
     points = []
     if press.slide is not None:
-        points.append((press.slide, press.slide, *applied_loads.point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")))
+        points.append((press.slide, press.slide, *point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")))
     if not isinstance(chosen, list | tuple) or not all(isinstance(trace, list | tuple) and len(trace) == 2 for trace in chosen):
         raise PinpressError(f"traces is {shown(chosen)}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
     for link, point in chosen:
         what = f"trace of {shown(link)}"
-        place = applied_loads.point_on_body(press, link, check_point(f"{what}: point", point), what, "point")
+        place = point_on_body(press, link, check_point(f"{what}: point", point), what, "point")
         words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
         points.append((f"{link} ({words})", link, *place))
     return points

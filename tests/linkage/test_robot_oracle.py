@@ -158,8 +158,8 @@ def cut_rod(made, kind):
     for k, (parent, child, axis) in enumerate([("c", "x", (1, 0, 0.2)), ("x", "rod", (0, 1, 0.1))]):
         made.joint(f"u{k}", "revolute", parent, child, ends["c"], axis)
     made.joint("rocker", "revolute", "world", "r", (0.45, 0.12, 0), (1, 0.1, 0.2))
-    for k, (parent, child, axis) in enumerate([("r", "y", (1, 0.1, 0)), ("y", "y2", (0, 1, 0.2)), ("y2", "rod2", (0.1, 0, 1))]):
-        made.joint(f"w{k}", "revolute", parent, child, ends["r"], axis)
+    for k, (parent, child, about) in enumerate([("r", "y", (1, 0.1, 0)), ("y", "y2", (0, 1, 0.2)), ("y2", "rod2", (0.1, 0, 1))]):
+        made.joint(f"w{k}", "revolute", parent, child, ends["r"], about)
     made.loop("cut", "weld", "rod", "rod2", (0.3, 0.08, 0.2), (0, 0, 1.0))
     made.drivers = ("crank",)
 
@@ -181,15 +181,15 @@ def urdf(made, dialect, digits=17):
     """The mechanism with loops of pinpress and Isaac ("loop_joint"), URDF+ ("loop"), or onshape-to-robot ("closing")."""
     lines = ['<link name="world"/>']
     for link, inertia in made.inertias.items():
-        tensor, parts = inertia.inertia, ("xx", "xy", "xz", "yy", "yz", "zz")
-        moments = " ".join(f'i{a}{b}="{tensor["xyz".index(a), "xyz".index(b)]:.17g}"' for a, b in parts)
+        upper = [(a, b) for a in range(3) for b in range(a, 3)]
+        moments = " ".join(f'i{"xyz"[a]}{"xyz"[b]}="{inertia.inertia[a, b]:.17g}"' for a, b in upper)
         inner = f'<origin xyz="{_text(inertia.lever)}"/><mass value="{inertia.mass:.17g}"/><inertia {moments}/>'
         lines.append(f'<link name="{link}"><inertial>{inner}</inertial></link>')
     for name, kind, parent, child, place, axis in made.joints:
-        kind, limit = ("continuous", "") if kind == "revolute" else (kind, '<limit lower="-2" upper="2" effort="9" velocity="9"/>')
-        ends = f'<parent link="{parent}"/><child link="{child}"/><origin {_origin(place, digits)}/><axis xyz="{_text(axis, digits)}"/>'
+        type_, limit = ("continuous", "") if kind == "revolute" else (str(kind), '<limit lower="-2" upper="2" effort="9" velocity="9"/>')
+        inner = f'<parent link="{parent}"/><child link="{child}"/><origin {_origin(place, digits)}/><axis xyz="{_text(axis, digits)}"/>'
         independent = str(name in made.drivers).lower()
-        lines.append(f'<joint name="{name}" type="{kind}" independent="{independent}">{ends}{limit}</joint>')
+        lines.append(f'<joint name="{name}" type="{type_}" independent="{independent}">{inner}{limit}</joint>')
     for name, kind, one, first, other, second, axis in made.loops:
         turns = f'<axis xyz="{_text(axis, digits)}"/>' if kind == "hinge" else ""
         ends = ((one, first), (other, second))

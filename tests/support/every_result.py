@@ -350,6 +350,7 @@ def descriptions():
         pp.loads.SpringDamper("frame", "slide", 1e4, damping=10.0, free_length=0.3, point1=(0.0, 0.0, 1.0)),
         pp.loads.PointForce("slide", (0.0, 0.0, 1.0)),
         pp.loads.PointMoment("rod", (0.0, 1.0, 0.0), on="crank"),
+        pp.JointSpring("O", 100.0, reference=0.1, damping=2.0),
         pp.loads.TorsionSpring("crank", "rod", 500.0, damping=1.0, free_angle=0.2),
         DEEP,
         pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]),
