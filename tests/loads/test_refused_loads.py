@@ -166,7 +166,7 @@ REFUSALS = [
     (lambda: moved([TimeForce(lambda time: 1e3 * np.arange(1.0, 3.0))]), "TimeForce: force"),
     (lambda: moved([TimeForce(lambda time: NAN + 0.0 * time)]), "TimeForce: force at time 0 s is nan; give finite numbers"),
     (lambda: moved([TimeForce(lambda time: "strong")]), "TimeForce: force is 'strong'; give finite numbers"),
-    (lambda: moved([ConstantForce]), "give a PointForce, a SpringDamper, a process load"),
+    (lambda: moved([ConstantForce]), "give a PointForce, PointMoment, SpringDamper, TorsionSpring, a load"),
     (lambda: moved(DeepDrawing(1.0, 0.01)), r"loads is one DeepDrawing: give a list, loads=\[...\]"),
     (lambda: moved(2 * [DeepDrawing(1e308, 0.03)], points=64), "not finite"),
     (lambda: without_slide(Blanking(1.0, 0.01, 0.005)), "four_bar has no slide"),
