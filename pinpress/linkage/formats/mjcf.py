@@ -107,8 +107,8 @@ def _compile(mujoco: Any, document: Document) -> tuple[Any, Any, bool]:
 
 
 def _upwards(body: Any) -> Iterator[Any]:
-    """A body of a specification and those that carry it."""
-    while body:
+    """A body of a specification and those that carry it, but for the world, of which older versions of MuJoCo know no parent."""
+    while body.name != "world":  # a name that no other body may have
         yield body
         body = body.parent
 
