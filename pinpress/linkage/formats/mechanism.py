@@ -9,6 +9,7 @@ which the linkage is put together, if that is not the pose with all joints at ze
 from __future__ import annotations
 
 import itertools
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -326,7 +327,9 @@ def _home(mechanism: Mechanism, joints: Sequence[Joint]) -> dict[str, float]:
                 from scipy.spatial.transform import Rotation  # its import takes longer than reading a file
 
                 turned = Rotation.from_matrix(position)
-                angles = turned.as_davenport([axes[each] for each in balls[name]], "intrinsic", suppress_warnings=True)
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # where two of the axes are parallel, one of the angles is chosen
+                    angles = turned.as_davenport([axes[each] for each in balls[name]], "intrinsic")
                 home |= zip(balls[name], map(float, angles), strict=True)
         else:
             home[name] = float(position)
