@@ -102,7 +102,7 @@ def point_on_body(press: Linkage, link: str, point: ArrayLike, what: str, name: 
 
 def body_of(press: Linkage, link: str) -> int:
     """The Pinocchio joint to whose body a link belongs; raises UnknownNameError where the linkage has no such link."""
-    if link not in press.links:
+    if not isinstance(link, str) or link not in press.links:
         raise UnknownNameError("link", link, press.links)
     return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
 

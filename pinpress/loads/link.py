@@ -142,7 +142,7 @@ class PointMoment:
         in_declared_units(self)
         if not callable(self.moment):
             self.vectors(self.moment)
-        if isinstance(self.link, str) and self.link == self.on:
+        if isinstance(self.link, str) and isinstance(self.on, str) and self.link == self.on:
             caution(f"{self.label}: on is the same link, so that it does nothing: name another one")
 
     @property

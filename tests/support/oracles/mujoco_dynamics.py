@@ -38,11 +38,12 @@ def model_of(press: pp.Linkage) -> mujoco.MjModel:
     def body(joint: int) -> str:
         place, inertia, axis = model.jointPlacements[joint], model.inertias[joint], press.axes[joint - 1]
         spring = springs.get(model.names[joint], JointSpring(model.names[joint]))
-        quaternion = np.empty(4)
+        quaternion, principal = np.empty((2, 4))
         mujoco.mju_mat2Quat(quaternion, place.rotation.ravel())
-        i = inertia.inertia
-        full = text([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
-        inertial = f'<inertial pos="{text(inertia.lever)}" mass="{inertia.mass!r}" fullinertia="{full}"/>' if inertia.mass else ""
+        moments, axes = np.linalg.eigh(inertia.inertia)  # MuJoCo's own, of fullinertia, is exact to 1e-8 in older versions
+        mujoco.mju_mat2Quat(principal, (axes * np.linalg.det(axes)).ravel())
+        of_body = f'mass="{inertia.mass!r}" diaginertia="{text(moments)}" quat="{text(principal)}"'
+        inertial = f'<inertial pos="{text(inertia.lever)}" {of_body}/>' if inertia.mass else ""
         of_joint = f'type="{"hinge" if axis.turns else "slide"}" axis="{text(axis.direction)}" armature="{model.armature[joint - 1]}"'
         of_spring = f'stiffness="{spring.stiffness}" springref="{spring.reference}" damping="{spring.damping}"'
         sites = "".join(f'<site name="{name}" pos="{text(point)}"/>' for at, point, name in ends if at == joint)
