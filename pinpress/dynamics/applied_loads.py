@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,7 +68,7 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
             moment = -load.stiffness * (turn.angle(motion.joint_position) - load.free_angle) - load.damping * turn.angle(motion.v)
             applied += turn_forces(press, motion, turn, moment)
         elif isinstance(load, PointMoment):
-            vectors = load.vectors(load.moment(motion) if callable(load.moment) else load.moment)
+            vectors = moment_vectors(load, press, load.moment(motion) if callable(load.moment) else load.moment)
             applied += _moment_forces(load, press, motion, vectors)
         elif isinstance(load, PointForce):
             # A copy, because the caller may change an array later, and results are worked out when they are needed.
@@ -357,6 +357,15 @@ def _pins_in_frame(press: "Linkage", joint: int, point: Array) -> list[str]:
 def _apart(point: Array, axis: Array) -> float:
     """Distance of a point from an axis (3,) of unit length through the origin."""
     return float(np.linalg.norm(point - (point @ axis) * axis))
+
+
+def moment_vectors(load: PointMoment, press: "Linkage", moment: Any) -> Array:
+    """`PointMoment.vectors`; raises PinpressError where one number is given and the linkage moves in a plane other than x-z."""
+    vectors, plane = load.vectors(moment), press.planarity
+    if np.size(moment) == 1 and plane.is_planar and abs(plane.normal[1]) < 0.5:
+        problem = f"one number is a moment in the x-z plane, and {press.name} does not move in it"
+        raise PinpressError(f"{load.label}: {problem}: give three numbers, in world axes [N m]")
+    return vectors
 
 
 def _moment_forces(load: PointMoment, press: "Linkage", motion: "Motion", vectors: Array) -> list[AppliedForce]:

@@ -123,8 +123,9 @@ class PointMoment:
 
     Attributes:
         link: name of the link; the frame (root link) may be named too.
-        moment: one number, positive counter-clockwise in the plane with x to the right and z up, which is about the world's -y; or in world
-            axes (3,), constant, (n, 3) over the motion, or a function of the motion that returns one of these [N m].
+        moment: one number, positive counter-clockwise in the plane with x to the right and z up, which is about the world's -y (refused
+            for a linkage that moves in another plane); or in world axes (3,), constant, (n, 3) over the motion, or a function of the motion
+            that returns one of these [N m].
         on: name of the link that takes the opposite moment; None: it comes from outside the machine, and reaches the foundation.
 
     Raises:

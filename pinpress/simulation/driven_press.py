@@ -597,7 +597,7 @@ def _coordinates_and_forces(press: Linkage, loads: Sequence[Load]) -> "tuple[lis
         elif isinstance(load, PointMoment):
             if not is_constant(load):
                 raise PinpressError(f"{load.label}: a simulation takes a constant moment, one number or (3,) in world axes [N m]")
-            vector = load.vectors(load.moment)
+            vector = applied_loads.moment_vectors(load, press, load.moment)
             joints = [body_of(press, link) for link in (load.link, load.on) if link is not None]
             for link, joint, moment in zip((load.link, load.on), joints, (vector, -vector), strict=False):
                 if link is not None and joint:  # the frame does not move

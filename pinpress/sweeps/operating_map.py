@@ -239,7 +239,8 @@ def _multiplied(load: Load, factor: float) -> Load:
         law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
         return replace(load, force=law)
     if isinstance(load, PointMoment):
-        of_moment = partial(_times, factor, load.moment) if callable(load.moment) else factor * load.vectors(load.moment)
+        given = load.moment
+        of_moment = partial(_times, factor, given) if callable(given) else factor * numbers(f"{load.label}: moment", given, unit="N m")
         return replace(load, moment=of_moment)
     if isinstance(load, ProcessLoad) and not isinstance(load, type):
         return _Multiplied(as_given(load), load.errors if isinstance(load, AskedLoad) else np.geterr(), factor)

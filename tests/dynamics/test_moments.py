@@ -176,3 +176,23 @@ def test_frame_on_mounts():
     stiffness = 4 * 6e6 * width**2
     assert free - none == pytest.approx(20.0 / (stiffness - 9000 * 9.81 * above), rel=1e-3)  # the linkage is lighter by as much
     assert abs(taken - none) < 1e-3 * abs(free - none)
+
+
+def test_one_number_is_refused_for_a_linkage_in_another_plane(tmp_path):
+    """It is about the world's -y, and would move nothing there without a word."""
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="arm"><link name="frame"/><link name="bar"><inertial><origin xyz="0 0.2 0"/><mass value="2"/>'
+        '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="O" type="continuous"><parent link="frame"/><child link="bar"/><axis xyz="1 0 0"/></joint>'
+        '<transmission name="t"><joint name="O"/></transmission></robot>'
+    )
+    press = pp.load(tmp_path / "arm.urdf")
+    motion = pp.cycle(press, 2.0, points=8)
+    for asked in (
+        lambda: pp.inverse_dynamics(press, motion, [pp.loads.PointMoment("bar", 5.0)]),
+        lambda: pp.simulate(press, 0.1, loads=[pp.loads.PointMoment("bar", 5.0)]),
+    ):
+        with pytest.raises(pp.PinpressError, match="is a moment in the x-z plane, and arm does not move in it: give three numbers"):
+            asked()
+    plain, moved = (pp.inverse_dynamics(press, motion, loads) for loads in ((), [pp.loads.PointMoment("bar", (5.0, 0.0, 0.0))]))
+    np.testing.assert_allclose(moved.driving_torque, plain.driving_torque - 5.0, rtol=0, atol=1e-12)
