@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from ..common.errors import PinpressError
 from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .constraints import Curve, LoopJoint, Relation
+from .contacts import Contact
 from .racks import Rack, find_racks
 
 ACCEPTED = 1e3  # multiples of rounding up to which a gap counts as closed
@@ -46,6 +47,7 @@ class Structure:
         axes: axes of the joints.
         misfit: gap that is left because redundant equations contradict each other, where the numbers of a file are rounded [m]; 0 where
             that gap is rounding. See `engines.misfit`.
+        contacts: where bodies push on each other by teeth, threads or rollers, by the multipliers of relations.
     """
 
     model: pin.Model
@@ -57,6 +59,7 @@ class Structure:
     slots: tuple[Slot, ...]
     axes: tuple[Axis, ...]
     misfit: float = 0.0
+    contacts: tuple[Contact, ...] = ()
 
     @cached_property
     def tolerance(self) -> float:
@@ -183,8 +186,15 @@ class Structure:
         return ", ".join(shown) if len(shown) <= most else f"{', '.join(shown[:most])} and {len(shown) - most} more"
 
 
-def build_structure(model: pin.Model, loops: tuple[LoopJoint, ...], relations: tuple[Relation, ...], drivers: tuple[int, ...]) -> Structure:
-    """The structure of a linkage from Pinocchio's model of its tree, its loops and relations, and the indices of its drivers in v."""
+def build_structure(
+    model: pin.Model,
+    loops: tuple[LoopJoint, ...],
+    relations: tuple[Relation, ...],
+    drivers: tuple[int, ...],
+    contacts: tuple[Contact, ...] = (),
+) -> Structure:
+    """The structure of a linkage from Pinocchio's model of its tree, its loops, relations and contacts, and the indices of its drivers in
+    v."""
     size, reach = _extent(model, loops)
     return Structure(
         model=model,
@@ -195,6 +205,7 @@ def build_structure(model: pin.Model, loops: tuple[LoopJoint, ...], relations: t
         rounding=8 * float(np.finfo(float).eps) * (size + reach),
         slots=slots(model),
         axes=axes(model),
+        contacts=contacts,
     )
 
 

@@ -18,6 +18,7 @@ from ..common.quantities import Array, DriverCoordinate
 from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.constraints import Coupling, LoopJoint, Relation, gear
+from ..engines.contacts import Contact
 from ..engines.engine import LOOSEST, Engine
 from ..engines.pinocchio.constraint_models import constraint_models
 from ..engines.pinocchio.equations import OneConfiguration, Rows
@@ -83,6 +84,7 @@ class Linkage(Frozen):
         root: name of the link that is the frame.
         loops: the bearings at which loops were cut.
         relations: gear pairs, racks and screws, as equations between the coordinates of their joints. ``couplings`` lists them by pairs.
+        contacts: machine elements through which bodies push on each other, by the multipliers of ``relations``.
         drivers: names of the driver joints, as many as degrees of freedom: `motors`, then ``passive``.
         slide: name of the slide link, None if the linkage has none.
         held: names of the joints that are held as in the home pose, because a link could spin about the line of its bearings, which no
@@ -111,6 +113,7 @@ class Linkage(Frozen):
     joint_springs: tuple[JointSpring, ...] = ()
     home: tuple[float, ...] = ()
     mounted: str = ""
+    contacts: tuple[Contact, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -266,7 +269,7 @@ class Linkage(Frozen):
         drivers = tuple(self.joints.index(driver) for driver in self.drivers)
         held = {name: self.joints.index(name) for name in self.held}
         still = tuple(Relation(name, {joint: 1.0}, self.home[joint] if self.home else 0.0) for name, joint in held.items())
-        return build_structure(self.model, self.loops, (*self.relations, *still), drivers)
+        return build_structure(self.model, self.loops, (*self.relations, *still), drivers, self.contacts)
 
     @property
     def engines(self) -> tuple[str, ...]:
