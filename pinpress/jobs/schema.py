@@ -40,6 +40,7 @@ from ..common.reading.filling import (
 from ..drives.transmission import Geared
 from ..pin_table.building import KEYS, NEEDED, SENSES
 from ..pin_table.links import KEYS as OF_LINKS
+from ..pin_table.machine_elements import SECTIONS as MACHINE_ELEMENTS
 from ..pin_table.placement import UNITS
 from .grammar import SECTIONS, OfDriver, OfDrivers, Place
 from .kinds import Bound, Instant
@@ -207,6 +208,9 @@ def _of_table() -> Schema:
     free: Schema = {key: {} for key in KEYS}
     link = {"type": "object", "properties": {key: {} for key in OF_LINKS}, "additionalProperties": False}
     named = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
+    for section, of in MACHINE_ELEMENTS.items():
+        element = {"type": "object", "properties": {key: {} for key in of.keys}, "additionalProperties": False}
+        free[section] = {"type": "object", "description": f"{section} by their names.".capitalize(), "additionalProperties": element}
     return free | {
         "press": {"type": ["string", "number"], "description": "Name of the press."},
         "units": {

@@ -20,6 +20,7 @@ from ..common.errors import (
     PinTableError,
     SingularityError,
     UnknownNameError,
+    UrdfError,
     odd_character,
     shown,
     suggestion,
@@ -38,6 +39,7 @@ from ..visual.shapes.appearance import ShownLink, bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, Numbers, formula, parameters_of
 from .links import Link, read_links
+from .machine_elements import SECTIONS, read_machine_elements
 from .placement import UNITS, Pin, UnreachableError, place_pins, size_of
 from .reading import BESIDE, CALL, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
@@ -52,7 +54,7 @@ NEEDED = {  # keys without which there is no press, and what to write if one is 
     "links": "name links with their pins: links: {crank: {pins: A B, mass: 20}}",
     "drive": "name the pin that is driven: drive: A",
 }
-KEYS = ("press", *NEEDED, "parameters", "base", "density", "masses", "copies", "gears", "turns", "tool", "note")
+KEYS = ("press", *NEEDED, "parameters", "base", "density", "masses", "copies", "gears", *SECTIONS, "turns", "tool", "note")
 SENSES = ("clockwise", "counter-clockwise")  # in the picture: what `turns` may be
 MARK = b"written by pinpress from the pin table"  # a URDF with this mark may be overwritten
 
@@ -109,10 +111,18 @@ class DrawnPress(Tabular):
             slide: name of the slide, as for `load`.
 
         Raises:
+            PinTableError: a machine element of the table makes no sense in the linkage.
             PinpressError: `load` refuses the press.
         """
         command = "check() of its draft" if self.file == CALL else check_command(self.file, parameters=self._given)
-        return load_document(self._document(), None, slide, gravity, in_file=False, command=command)
+        try:
+            return load_document(self._document(), None, slide, gravity, in_file=False, command=command)
+        except UrdfError as error:
+            for element in self.parts.elements:
+                if error.element == f'<{element.tag} name="{element.name}">':  # as `Document.called` names it
+                    entry, path = element.entry, ": ".join(element.entry.path)
+                    raise PinTableError(entry.file, entry.line, path, error.problem, error.remedy) from error
+            raise
 
     def check(self, slide: str | None = None) -> CheckResult:
         """Check how the press moves, and list all errors, doubts and notes, as `pinpress.check` does.
@@ -201,6 +211,7 @@ class DrawnPress(Tabular):
             "",
             "Bearings, and the links between which their forces act:",
             *(f"  {name}: {link1} on {link2}" for name, link1, link2 in self.bearings()),
+            *(f"  {element.name}: {' on '.join(element.bodies)}" for element in self.parts.elements),
         ]
         if estimates := [f"  {link}: {words}" for link, words in self.estimates()]:
             lines += ["", "Estimated, because the table does not give it:", *estimates]
@@ -283,6 +294,7 @@ def drawn_from(entries: Entry) -> DrawnPress:
     for each in items["copies"].list("copies: [{links: rod, y: [-300, 300], names: _front _back}]") if "copies" in items else ():
         parts = copied(parts, each, numbers)
     tree = build_tree(parts, entries)
+    _check_names(parts, tree)
     if clockwise:  # a ratio between a reversed axis and a guide or an axis in space changes its sign: teeth mesh as before
         sense = {joint.name: -1.0 if joint.pin is not None and not parts.pins[joint.pin].in_space else 1.0 for joint in tree.joints}
         meshing = {name: (leader, ratio * sense[name] * sense[leader]) for name, (leader, ratio) in tree.gears.items()}
@@ -359,7 +371,8 @@ def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Lin
             items["frame"].refuse(f"no pin {name}{suggestion(name, pins)}", f"name some of {', '.join(pins)}")
     drivers = tuple(items["drive"].names("the pin that is driven"))
     gears = items["gears"].items("gears: {V: -2 * O}") if "gears" in items else {}
-    return Parts(pins, links, frame, drivers, {name: _gear(entry, numbers.parameters) for name, entry in gears.items()})
+    elements = read_machine_elements(items, pins, links, numbers)
+    return Parts(pins, links, frame, drivers, {name: _gear(entry, numbers.parameters) for name, entry in gears.items()}, elements)
 
 
 def _gear(entry: Entry, parameters: Mapping[str, float]) -> tuple[str, float]:
@@ -385,7 +398,16 @@ def _check_racks(items: Mapping[str, Entry], tree: Tree, size: float, unit: str)
                 written = items["gears"].items("gears").get(follower, items["gears"]) if "gears" in items else items["copies"]
                 guide, shaft = (follower, leader) if follower in guides else (leader, follower)
                 right = f"{radius * UNITS[unit]:.6g} m/rad for {radius:.6g} {unit}" if UNITS[unit] < 1 else "the pitch radius of a pinion"
-                written.doubt(f"{shaft} moves {guide} by {radius:.6g} m/rad: gears of guides are in m/rad, not in units: {right}")
+                doubt = f"{shaft} moves {guide} by {radius:.6g} m/rad: gears of guides are in m/rad, not in units: {right}"
+                written.doubt(f"{doubt}. A table in {unit} has racks: {{rack: {{pinion: , rack: , radius: }}}} and screws: with their lead")
+
+
+def _check_names(parts: Parts, tree: Tree) -> None:
+    """Refuse a machine element with the name of a bearing: both name forces."""
+    bearings = [bearing.name for bearing in (*tree.joints, *tree.loops)]
+    for element in parts.elements:
+        if element.name in bearings:
+            element.entry.refuse(f"{element.name} is a bearing, whose force has this name", "give the machine element another name")
 
 
 def _check_size(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:

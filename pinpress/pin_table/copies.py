@@ -12,6 +12,7 @@ from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import Numbers
 from .links import Link, axes_along
+from .machine_elements import MachineElement, copies_of
 from .placement import AXES, Pin
 from .reading import Entry
 
@@ -20,7 +21,7 @@ KEYS = ("links", "x", "y", "z", "mirror", "names", "gear", "note")
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """Pins, links, drives and gears of a press in its drawn pose (the pose that the table draws).
+    """Pins, links, drives, gears and other machine elements of a press in its drawn pose (the pose that the table draws).
 
     Attributes:
         pins: by their names.
@@ -28,6 +29,7 @@ class Parts:
         frame: names of the pins in the frame.
         drivers: names of the driven pins and guides.
         gears: name of a geared pin or guide -> (name of the pin or guide that it follows, ratio of its motion to that one's).
+        elements: gears, racks, screws and worms, by which links push on each other.
     """
 
     pins: Mapping[str, Pin]
@@ -35,6 +37,7 @@ class Parts:
     frame: tuple[str, ...]
     drivers: tuple[str, ...]
     gears: Mapping[str, tuple[str, float]]
+    elements: tuple[MachineElement, ...] = ()
 
 
 def copied(parts: Parts, entry: Entry, numbers: Numbers) -> Parts:
@@ -83,7 +86,10 @@ def copied(parts: Parts, entry: Entry, numbers: Numbers) -> Parts:
     if "gear" in items:
         gears |= _geared(items["gear"], copied_bearings, suffixes, -1.0 if mirrored else 1.0)
     drivers = tuple(f"{name}{suffixes[0]}" if name in copied_bearings else name for name in parts.drivers)
-    return Parts(pins, tuple(links), all_of(parts.frame), drivers, gears)
+    # A mirror image in the picture has its racks on the other side; any mirror image has threads and helices of the other hand.
+    images = [(suffix, bool(np.linalg.det(move.turn) < 0), bool(np.linalg.det(move.turn[::2, ::2]) < 0)) for move, suffix in copies]
+    elements = tuple(copy for each in parts.elements for copy in copies_of(each, named, pins_copied, images))
+    return Parts(pins, tuple(links), all_of(parts.frame), drivers, gears, elements)
 
 
 class _Move(NamedTuple):

@@ -38,6 +38,11 @@ BESIDE = {  # sections of a job that may stand in a table -> levels at which the
     **dict.fromkeys(("motion", "motor", "flywheel", "clutch", "brake", "capacities", "elastic", "foundation"), 1),
     **dict.fromkeys(("balance", "tolerances", "servo", "run", "traces", "report", "variants"), 1),
 }
+LEVELS = {  # the same of the sections of a table
+    **dict.fromkeys(("parameters", "pins", "gears"), 1),
+    **dict.fromkeys(("links", "meshes", "racks", "screws", "worms"), 2),
+    **BESIDE,
+}
 
 
 def read_table(path: str | os.PathLike[str]) -> Entry:
@@ -62,8 +67,8 @@ def given_table(values: Mapping[str, Any]) -> Entry:
 
 
 def overlaid(below: Entry, above: Entry, depth: int = 0) -> Entry:
-    """Lay a table over another: its pins, parameters, gears and keys of links replace those below; ``none`` removes them."""
-    merged_levels = {"parameters": 1, "pins": 1, "links": 2, "gears": 1, **BESIDE}.get(above.path[0] if above.path else "", 0)
+    """Lay a table over another: pins, parameters, gears, keys of links and of machine elements replace those below; ``none`` removes."""
+    merged_levels = LEVELS.get(above.path[0] if above.path else "", 0)
     if not (isinstance(below.value, Mapping) and isinstance(above.value, Mapping)) or depth > merged_levels:
         return above  # deeper entries are replaced as a whole
     merged = dict(below.value)

@@ -1,9 +1,9 @@
 """Sort the bearings of a press into joints of its tree and bearings that close a loop; name them, and fix the senses of their forces.
 
 1. Links that slide in the frame hang there.
-2. Then repeat: hang the first link (in the table's order) that can hang (a) by a driven or geared pin or guide; (b) by its guide or its
-   first pin; (c) by any of its pins; (d) on a link that slides in the frame. Steps (a) to (c) do not use links that slide in the frame.
-   A link with a guide hangs by its guide.
+2. Then repeat: hang the first link (in the table's order) that can hang (a) by a driven or geared pin or guide, or a gear by its centre;
+   (b) by its guide or its first pin; (c) by any of its pins; (d) on a link that slides in the frame. Steps (a) to (c) do not use links that
+   slide in the frame. A link with a guide hangs by its guide.
 3. Every other connection at a pin closes a loop.
 
 A bearing has its pin's name. If three or more links meet at a pin K, the link that hung first is the reference. Every other link then has
@@ -77,6 +77,9 @@ class _Growing:
         self.hung = [FRAME]
         self.by: dict[str, tuple[str | None, str]] = {}  # pin (None: its guide) and parent of every hung link
         self.special = {*parts.drivers, *parts.gears, *(leader for leader, _ in parts.gears.values())}
+        self.meshing = {body: element.carrier for element in parts.elements for body in element.bodies}  # and what carries both
+        for link in parts.links:
+            self.special.update(pin for pin in link.pins if self.meshing.get(link.name) in self.at[pin])
 
     def tree(self) -> Tree:
         """Hang all links, then name the bearings."""
@@ -126,11 +129,11 @@ class _Growing:
     def _check_free_ends(self) -> None:
         """Refuse a link that hangs by one bearing and that no drive moves. Mobility would refuse it too, but its message is about loops."""
         guided = [link for link in self.links.values() if link.guide is not None]
-        held = {link.name for link in guided} | {link.guide.carrier for link in guided if link.guide is not None}
+        held = {link.name for link in guided} | {link.guide.carrier for link in guided if link.guide is not None} | {*self.meshing}
         for link in self.links.values():
             meetings = [pin for pin in link.pins if len(self.at[pin]) > 1]
             if len(meetings) == 1 and link.name not in held and meetings[0] not in self.special:
-                remedy = "give a slide guide: up; give any other link a pin that another link has too"
+                remedy = "give a slide guide: up; give any other link a pin that another link has too; name a gear in meshes:"
                 link.entry.refuse(f"it hangs only by pin {meetings[0]} and swings freely", remedy)
 
     def _joint_name(self, link: str) -> str:
@@ -185,7 +188,8 @@ class _Growing:
                 problem = f"no link carries both axes of the gear pair {follower}, {leader}: {carriers}. The teeth would separate"
                 written = self._written("gears")
                 written = written.items("gears").get(follower, written)
-                written.refuse(problem, "connect two bearings of one link by gears; other planetary gears are not supported")
+                wheels = " ".join(joint.link2 for joint in geared)
+                written.refuse(problem, f"write gears whose carrier moves by their teeth: meshes: {{teeth: {{gears: {wheels}, teeth: }}}}")
 
     def _written(self, key: str) -> Entry:
         return self.table.items("a table").get(key, self.table)

@@ -14,12 +14,13 @@ from ..visual.shapes.appearance import STAND_IN, ShownLink
 from ..visual.shapes.solids import Box, Cylinder, Part, Plate, Shape, Sphere
 from .copies import Parts
 from .links import FRAME, Link, axes_along
+from .machine_elements import MachineElement
 from .placement import Pin, size_of
 from .tool import Tool
 from .tree import Bearing, Tree
 
 REACH = 2.0  # limits of a guide without travel, in sizes of the press: URDF asks for limits, and the slide must not reach them
-ENDLESS = 1e6  # limits of a guide that follows a shaft: the shaft may turn without end [m]
+ENDLESS = 1e6  # limits of a guide that follows a shaft or a pinion: the shaft may turn without end [m]
 EFFORT, VELOCITY = 1e9, 1e3  # limits that URDF asks for; so large that they limit nothing
 REMARK = f"  <!-- Shapes named {STAND_IN} are for other programs; pinpress draws its own. Rename those that you change. -->"
 MOMENTS = (("xx", 0, 0), ("xy", 0, 1), ("xz", 0, 2), ("yy", 1, 1), ("yz", 1, 2), ("zz", 2, 2))
@@ -60,6 +61,7 @@ class _Writer:
         for link in self.links.values():
             lines += ["", *self._link(link)]
         lines += ["", *(line for joint in self.tree.joints for line in self._joint(joint)), "", *map(self._loop, self.tree.loops)]
+        lines += map(self._element, self.parts.elements)
         for name in self.tree.drivers:
             lines += ["", f'  <transmission name="{name}_transmission"><joint name="{name}"/></transmission>']
         return "\n".join([*lines, "</robot>", ""])
@@ -99,7 +101,8 @@ class _Writer:
         assert link.guide is not None
         place = self.places[joint.link2]
         axis = _vector(place.rotation.T @ link.guide.direction, 1.0)
-        follows = joint.name in self.tree.gears and joint.name not in self.tree.drivers
+        meshing = any(element.bodies[1] == link.name for element in self.parts.elements)
+        follows = (meshing or joint.name in self.tree.gears) and joint.name not in self.tree.drivers
         reach = ENDLESS if follows else REACH * self.size
         lower, upper = link.guide.travel or (-reach, reach)
         limit = f'<limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(EFFORT)}" velocity="{_number(VELOCITY)}"/>'
@@ -141,6 +144,14 @@ class _Writer:
             ends += f'<{tag} link="{link}" xyz="{_vector(place.actInv(at.point), self.size)}" rpy="{turn}"/>'
         kind, axis = ("revolute", '<axis xyz="1 0 0"/>') if hinge else ("spherical", "")
         return f'  <loop_joint name="{loop.name}" type="{kind}">{ends}{axis}</loop_joint>'
+
+    def _element(self, element: MachineElement) -> str:
+        """A machine element; the centre of a gear without a bearing of its own is in the frame of its link."""
+        said = {"name": element.name} | dict(element.links)
+        said |= {key: value if isinstance(value, str) else _number(value) for key, value in element.values.items()}
+        for (key, name), link in zip(element.centres.items(), (element.bodies[key == "center2"] for key in element.centres), strict=True):
+            said[key] = _vector(self.places[link].actInv(self.parts.pins[name].point), self.size)
+        return f"  <{element.tag} {' '.join(f'{key}={quoteattr(value)}' for key, value in said.items())}/>"
 
 
 def _origin(place: pin.SE3, size: float) -> str:

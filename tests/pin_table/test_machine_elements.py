@@ -1,0 +1,186 @@
+"""Gears, racks, screws and worms of pin tables: what their URDF says of them, and what is refused."""
+
+import re
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import pytest
+import yaml
+from support.generators.pin_tables import crank_slide
+
+import pinpress as pp
+from pinpress.pin_table.building import draft
+
+# A crank-slide whose crank has a wheel, which a pinion drives.
+GEARED = crank_slide(frame="O Q") | {
+    "pins": crank_slide()["pins"] | {"Q": [-600, 0]},
+    "links": crank_slide()["links"] | {"pinion": {"pins": "Q", "mass": 2}},
+    "drive": "Q",
+}
+TEETH = {"gears": "pinion crank", "teeth": "20 100"}
+# A lever gear: the ring turns the planet, which is welded to the rod. Its carrier is the crank.
+LEVER_GEAR: dict[str, Any] = {
+    "units": "mm",
+    "frame": "A A1",
+    "pins": {"A": [0, 0], "A1": "A", "B": [60, 0], "C": {"B": 240, "z": 0, "side": "right"}},
+    "links": {
+        "crank": {"pins": "A B", "mass": 2, "com": [30, 0], "inertia": 0.0006},
+        "ring": {"pins": "A1", "mass": 8, "inertia": 0.0576},
+        "rod": {"pins": "B C", "mass": 3, "com": [120, 0], "inertia": 0.0144},
+        "slide": {"pins": "C", "guide": "right", "mass": 5},
+    },
+    "drive": "A1",
+    "meshes": {"teeth": {"gears": "ring rod", "teeth": "-40 20"}},
+}
+PLANETARY: dict[str, Any] = {
+    "units": "mm",
+    "frame": "S A",
+    "pins": {"S": [0, 0], "A": "S", "P": [250, 0]},
+    "links": {
+        "sun": {"pins": "S", "mass": 10, "inertia": 0.05},
+        "arm": {"pins": "A P", "mass": 40, "inertia": 0.8},
+        "planet": {"pins": "P", "mass": 12, "inertia": 0.14},
+    },
+    "drive": "S",
+    "meshes": {"sun_planet": {"gears": "sun planet", "teeth": [20, 30]}, "ring": {"gears": "planet frame", "teeth": "30 -80", "at": "A"}},
+}
+ARBOR: dict[str, Any] = {
+    "units": "mm",
+    "frame": "O",
+    "pins": {"O": [-24, 0], "W": [0, 0]},
+    "links": {"pinion": {"pins": "O", "mass": 1}, "slide": {"pins": "W", "guide": "up", "mass": 5}},
+    "drive": "O",
+    "racks": {"rack": {"pinion": "pinion", "rack": "slide", "radius": 24, "pressure_angle": 20, "side": "left"}},
+}
+SCREW: dict[str, Any] = {
+    "units": "mm",
+    "frame": "S",
+    "pins": {"S": {"x": 0, "y": 0, "z": 0, "axis": "z"}, "Q": {"x": 0, "y": 0, "z": -200, "axis": "z"}},
+    "links": {
+        "flywheel": {"pins": "S", "mass": 300, "com": "S", "inertia": [15, 15, 25]},
+        "slide": {"pins": "Q", "guide": "up", "mass": 450},
+    },
+    "drive": "S",
+    "screws": {"spindle": {"screw": "flywheel", "nut": "slide", "lead": 200, "diameter": 300, "flank": 15, "friction": 0.06}},
+}
+
+
+def changed(table: dict[str, Any], section: str, name: str, **keys: Any) -> dict[str, Any]:
+    """A table with other keys of a machine element; those that are None are left out."""
+    element = table.get(section, {}).get(name, {}) | keys
+    return table | {section: table.get(section, {}) | {name: {key: value for key, value in element.items() if value is not None}}}
+
+
+def meshing(**keys: Any) -> dict[str, Any]:
+    return changed(GEARED | {"meshes": {"teeth": TEETH}}, "meshes", "teeth", **keys)
+
+
+def elements(table: dict[str, Any]) -> list[dict[str, str]]:
+    """The machine elements in the URDF of a table, with their tags; the text is read without the linkage."""
+    robot = ET.fromstring(draft(**table)._text())
+    return [{"tag": each.tag} | each.attrib for each in robot if each.tag in ("gear_mesh", "rack", "screw", "worm")]
+
+
+PAIR = {"tag": "gear_mesh", "name": "teeth", "gear1": "pinion", "gear2": "crank", "teeth1": "20", "teeth2": "100"}
+OF_SCREW = {"tag": "screw", "name": "spindle", "screw": "flywheel", "nut": "slide", "hand": "right", "lead": "0.2", "diameter": "0.3"}
+WRITTEN = [
+    (meshing(), [PAIR]),
+    (meshing(pressure_angle="2 * 10", efficiency=0.985), [PAIR | {"pressure_angle": "20", "efficiency": "0.985"}]),
+    (meshing(teeth=["z", "5 * z"]) | {"parameters": {"z": 20}}, [PAIR]),
+    (meshing(helix=15), [PAIR | {"helix": "15", "hand": "right"}]),
+    (meshing(helix="15 left", module=4, carrier="frame"), [PAIR | {"helix": "15", "hand": "left", "module": "0.004", "carrier": "frame"}]),
+    (meshing(helix="25 double", module="0.4cm"), [PAIR | {"helix": "25", "double_helical": "true", "module": "0.004"}]),
+    (meshing(at="Q O"), [PAIR | {"center1": "0 0 0", "center2": "0 0 0"}]),
+    (meshing(at="P"), [PAIR | {"center2": "0.1 0 0"}]),
+    (PLANETARY, [{"name": "sun_planet", "gear2": "planet"}, {"name": "ring", "gear2": "frame", "teeth2": "-80", "center2": "0 0 0"}]),
+    (ARBOR, [{"tag": "rack", "name": "rack", "pinion": "pinion", "rack": "slide", "radius": "0.024", "side": "left"}]),
+    (changed(ARBOR, "racks", "rack", radius=None, module=4, teeth=12), [{"module": "0.004", "teeth": "12"}]),
+    (changed(ARBOR, "racks", "rack", radius="2.4 cm"), [{"radius": "0.024"}]),
+    (SCREW, [OF_SCREW | {"flank": "15", "friction": "0.06"}]),
+    (changed(SCREW, "screws", "spindle", hand="left", collar_diameter=80), [OF_SCREW | {"hand": "left", "collar_diameter": "0.08"}]),
+]
+
+
+@pytest.mark.parametrize(("table", "written"), WRITTEN)
+def test_what_the_urdf_says(table, written):
+    found = elements(table)
+    assert len(found) == len(written)
+    for one, other in zip(found, written, strict=True):
+        assert {key: one[key] for key in other} == other
+
+
+def test_lengths_are_in_the_unit_of_the_table():
+    assert elements(changed(ARBOR | {"units": "in"}, "racks", "rack", radius=1))[0]["radius"] == "0.0254"
+
+
+def test_tables_are_laid_over_each_other_by_keys(tmp_path):
+    (tmp_path / "below.yaml").write_text(yaml.safe_dump(meshing(efficiency=0.98)))
+    (tmp_path / "above.yaml").write_text("base: below.yaml\nmeshes: {teeth: {helix: 10, efficiency: none}}\n")
+    (found,) = ET.fromstring(draft(tmp_path / "above.yaml")._text()).iter("gear_mesh")
+    assert (found.get("helix"), found.get("teeth2"), found.get("efficiency")) == ("10", "100", None)
+    (tmp_path / "none.yaml").write_text("base: below.yaml\nmeshes: {teeth: none}\nlinks: {pinion: none}\nframe: O\ndrive: O\n")
+    assert not list(ET.fromstring(draft(tmp_path / "none.yaml")._text()).iter("gear_mesh"))
+
+
+def test_copies_mesh_as_their_links_do():
+    """A pinion between two wheels meshes with both; a mirror image has the other hand and the other side."""
+    both = meshing(helix="15 left") | {"copies": [{"links": "crank rod", "y": [-300, 300], "names": "_front _back"}]}
+    found = elements(both)
+    assert [(each["name"], each["gear1"], each["gear2"]) for each in found] == [
+        ("teeth_front", "pinion", "crank_front"),
+        ("teeth_back", "pinion", "crank_back"),
+    ]
+    assert [each["hand"] for each in found] == ["left", "left"]
+    mirrored = meshing(helix="15 left", at="Q O") | {
+        "copies": [{"links": "crank rod pinion", "mirror": "x", "names": "_l _r", "gear": "O"}]
+    }
+    assert [(each["gear1"], each["hand"], each["center1"]) for each in elements(mirrored)] == [
+        ("pinion_l", "left", "0 0 0"),
+        ("pinion_r", "right", "0 0 0"),
+    ]
+    for axis, sides in (("x", ["left", "right"]), ("y", ["left", "left"]), ("z", ["left", "right"])):
+        copies = [{"links": "pinion slide", "mirror": axis, "names": "_1 _2", "gear": "O"}]
+        assert [each["side"] for each in elements(ARBOR | {"copies": copies})] == sides
+
+
+REFUSED = [
+    (meshing(gears=None), "no gears; name the two gears: gears: pinion wheel"),
+    (meshing(teeth=None), "no teeth; give the teeth of both: teeth: 20 100"),
+    (meshing(gears="pinion"), "meshes: teeth: gears: 1 values; write two gears with a blank between them"),
+    (meshing(teeth=20), "meshes: teeth: teeth: 1 values; write two numbers of teeth"),
+    (meshing(teeth="20, 100"), r"separate names by blanks: 20 100"),
+    (meshing(gears="pinion cranks"), "no link cranks, did you mean 'crank'.; name one of crank, rod, slide, pinion, frame"),
+    (meshing(carrier="frames"), "meshes: teeth: carrier: no link frames"),
+    (meshing(ratio=5), "'ratio' is no key here; write some of gears, teeth, module"),
+    (meshing(helix="15 up"), "'15 up' is not a helix; write helix: 15 left, or of herringbone teeth helix: 25 double"),
+    (meshing(at="R"), "meshes: teeth: at: no pin R; name one of O, P, W, Q"),
+    (meshing(at="W"), "W does not say which gear has its centre there; name the centres of both gears: at: B A"),
+    (changed(PLANETARY, "meshes", "ring", at=None), "a gear is fixed to the frame, and nothing says where its centre is; .* at: A"),
+    (GEARED | {"meshes": {"P": TEETH}}, "meshes: P: P is a bearing, whose force has this name; give the machine element another name"),
+    (GEARED | {"meshes": {"a b": TEETH}}, "'a b' cannot name a machine element; write one word: a_b"),
+    (ARBOR | {"meshes": {"rack": {"gears": "pinion slide", "teeth": "1 1"}}}, "racks: rack: rack is a name in meshes too"),
+    (GEARED | {"meshes": TEETH}, "meshes: gears: 'pinion crank' is a text; write one of meshes: {gears: ...}"),
+    (changed(ARBOR, "racks", "rack", side="up"), "racks: rack: side: 'up' is not a word here; write left or right"),
+    (changed(ARBOR, "racks", "rack", rack=None), "no rack; name the link that slides: rack: slide"),
+    (changed(ARBOR, "racks", "rack", radius="24 rad"), "'24 rad' is not a number"),
+    (changed(SCREW, "screws", "spindle", lead=None), "no lead; give the lead of a turn: lead: 20"),
+    (changed(SCREW, "screws", "spindle", hand="rigth"), "'rigth' is not a word here, did you mean 'right'?"),
+    (GEARED | {"worms": {"worm": {"worm": "pinion", "wheel": "crank", "starts": 2}}}, "no teeth; give the teeth of the wheel: teeth: 40"),
+    (GEARED, "it hangs only by pin Q and swings freely; .* name a gear in meshes"),
+    (
+        {key: value for key, value in LEVER_GEAR.items() if key != "meshes"} | {"gears": {"A1": "0.4 * B"}},
+        "gears: A1: no link carries both axes .* write gears whose carrier moves .*: meshes: {teeth: {gears: ring rod, teeth: }}",
+    ),
+]
+
+
+@pytest.mark.parametrize(("table", "message"), REFUSED)
+def test_what_a_table_refuses(table, message):
+    with pytest.raises(pp.PinTableError, match=message):
+        draft(**(table if table is not GEARED else GEARED | {"drive": "O"}))
+
+
+def test_a_rack_in_gears_is_doubted_with_what_to_write():
+    gears = {key: value for key, value in ARBOR.items() if key != "racks"} | {"gears": {"slide_guide": "24 * O"}}
+    with pytest.warns(pp.PinpressWarning, match=re.escape("0.024 m/rad for 24 mm. A table in mm has racks: {")):
+        draft(**gears)
