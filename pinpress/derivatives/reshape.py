@@ -80,10 +80,7 @@ def redrawn(press: Linkage, moved: Displacements, position: Array) -> Linkage:
         if joint.nq == 1:
             for limits in (model.lowerPositionLimit, model.upperPositionLimit):
                 limits[joint.idx_q] -= coordinate
-    relations = tuple(
-        replace(relation, offset=float(sum(by * home[joint] for joint, by in relation.coefficients.items())))
-        for relation in press.relations
-    )
+    relations = tuple(relation.drawn_in(position - home).through(home) for relation in press.relations)
     gone = dict(zip(press.joints, (position - home).tolist(), strict=True))
     springs = tuple(replace(spring, reference=spring.reference - gone[spring.joint]) for spring in press.joint_springs)
     at_home = tuple(home.tolist()) if home.any() else ()

@@ -8,7 +8,7 @@ multiplier.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -61,11 +61,17 @@ class Curve(NamedTuple):
 
     Attributes:
         joint: index of the joint in v.
-        function: coordinates (n,) -> values and first and second derivatives (n,) each [rad or m, by rad or m].
+        function: (n,) -> values and first and second derivatives (n,) each [rad or m, by rad or m].
+        start: argument of the function where the joint's coordinate is zero [rad or m].
     """
 
     joint: int
     function: Callable[[Array], tuple[Array, Array, Array]]
+    start: float = 0.0
+
+    def at(self, x: Array) -> tuple[Array, Array, Array]:
+        """Values and derivatives (n,) at joint coordinates (nv, n)."""
+        return self.function(self.start + x[self.joint])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,6 +110,16 @@ class Relation:
     def joints(self) -> tuple[int, ...]:
         """Indices in v of all joints that it names."""
         return (*self.coefficients, *(() if self.curve is None else (self.curve.joint,)))
+
+    def through(self, pose: Array) -> Relation:
+        """The relation with the offset that joint coordinates (nv,) fulfil."""
+        value = 0.0 if self.curve is None else float(self.curve.at(pose[:, None])[0][0])
+        return replace(self, offset=float(sum(by * pose[joint] for joint, by in self.coefficients.items())) - value)
+
+    def drawn_in(self, pose: Array) -> Relation:
+        """The relation between coordinates that count from a pose (nv,), which fulfils it."""
+        curve = None if self.curve is None else self.curve._replace(start=self.curve.start + float(pose[self.curve.joint]))
+        return replace(self, curve=curve).through(np.zeros_like(pose))
 
     @property
     def is_pair(self) -> bool:

@@ -147,19 +147,19 @@ class Structure:
         """What the equations of the relations miss at joint coordinates (nv, n): (nr, n)."""
         gaps = np.asarray(self.relation_slopes @ x - self.relation_offsets[:, None])
         for k, curve in self.curves:
-            gaps[k] -= self.relation_units[k] * curve.function(x[curve.joint])[0]
+            gaps[k] -= self.relation_units[k] * curve.at(x)[0]
         return gaps
 
     def slopes_of_curves(self, x: Array) -> Iterator[tuple[int, int, Array]]:
         """Relation, joint and slope (n,) by this joint of every curve, at joint coordinates (nv, n)."""
         for k, curve in self.curves:
-            yield k, curve.joint, -self.relation_units[k] * curve.function(x[curve.joint])[1]
+            yield k, curve.joint, -self.relation_units[k] * curve.at(x)[1]
 
     def relation_drift(self, x: Array, v: Array) -> Array:
         """Second derivative (nr, n) of these gaps at joint coordinates and rates (nv, n) and no joint acceleration."""
         drift = np.zeros((len(self.relations), *x.shape[1:]))
         for k, curve in self.curves:
-            drift[k] = -self.relation_units[k] * curve.function(x[curve.joint])[2] * v[curve.joint] ** 2
+            drift[k] = -self.relation_units[k] * curve.at(x)[2] * v[curve.joint] ** 2
         return drift
 
     @cached_property

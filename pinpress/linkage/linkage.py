@@ -563,7 +563,7 @@ class Linkage(Frozen):
             if not slot.unbounded:
                 model.lowerPositionLimit[slot.start] -= coordinate
                 model.upperPositionLimit[slot.start] -= coordinate
-        relations = tuple(replace(relation, offset=0.0) for relation in self.relations)
+        relations = tuple(relation.drawn_in(pose) for relation in self.relations)
         moved = dict(zip(self.joints, pose, strict=True))
         springs = tuple(replace(spring, reference=spring.reference - float(moved[spring.joint])) for spring in self.joint_springs)
         return replace(self, model=model, relations=relations, joint_springs=springs, zero=zero, home=(), mounted="")

@@ -4,8 +4,6 @@ from .comparison import compare_motions as compare_motions
 from .controller import MotionTable as MotionTable
 from .controller import controller_table as controller_table
 from .drive import ServoDrive as ServoDrive
-from .laws import MotionLaw as MotionLaw
-from .laws import vdi_law as vdi_law
 from .limits import BearingForce as BearingForce
 from .limits import CrankAcceleration as CrankAcceleration
 from .limits import CrankSpeed as CrankSpeed
@@ -34,8 +32,10 @@ from .sizing import MotorChoice as MotorChoice
 from .sizing import TriedMotor as TriedMotor
 from .sizing import capacitor as capacitor
 from .sizing import choose_motor as choose_motor
+from .stroke_laws import MotionLaw as MotionLaw
 from .stroke_laws import constant_crank_speed as constant_crank_speed
 from .stroke_laws import constant_slide_speed as constant_slide_speed
 from .stroke_laws import motion_by_law as motion_by_law
 from .stroke_laws import ready_motions as ready_motions
 from .stroke_laws import two_speed as two_speed
+from .stroke_laws import vdi_law as vdi_law

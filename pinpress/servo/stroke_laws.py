@@ -15,6 +15,7 @@ import numpy as np
 
 from ..common.arguments import expect, positive, typed, whole_number
 from ..common.errors import PinpressError
+from ..common.motion_laws import VDI_LAWS, MotionLaw, vdi_law
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..kinematics.cycle import motion_through_change_points
@@ -24,7 +25,6 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .conic.coefficients import load_heights
 from .drive import ServoDrive
-from .laws import VDI_LAWS, MotionLaw, vdi_law
 from .limits import Limit, SlideSpeed, checked, span
 from .motion import MOST_STATES, ServoMotion, evaluated
 from .paths import Path, PathLegs, Stop, Turn, legs_of

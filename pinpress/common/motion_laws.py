@@ -10,10 +10,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import suitable_numbers
-from ..common.errors import UnknownNameError
-from ..common.quantities import Array
-from ..common.results import Record
+from .arguments import suitable_numbers
+from .errors import UnknownNameError
+from .quantities import Array
+from .results import Record
 
 GAUSS = 24  # points for the integral of a squared acceleration over a piece: exact for polynomials, and for sines within rounding error
 
@@ -59,18 +59,18 @@ class MotionLaw(Record):
 
     def position(self, time: ArrayLike) -> Array:
         """Position at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for times outside."""
-        return self._values(time)[0]
+        return self.values(time)[0]
 
     def speed(self, time: ArrayLike) -> Array:
         """Speed at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for times outside."""
-        return self._values(time)[1]
+        return self.values(time)[1]
 
     def acceleration(self, time: ArrayLike) -> Array:
         """Acceleration at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for times outside.
 
         At a jump in the first half this is the value before the jump. At time 0 and in the second half it is the value after the jump.
         """
-        return self._values(time)[2]
+        return self.values(time)[2]
 
     @property
     def corners(self) -> tuple[float, ...]:
@@ -78,7 +78,8 @@ class MotionLaw(Record):
         first = np.cumsum([piece.duration for piece in self._first_half]).tolist()
         return (*first, *(1.0 - time for time in reversed(first[:-1])))
 
-    def _values(self, time: ArrayLike) -> tuple[Array, Array, Array]:
+    def values(self, time: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position, speed and acceleration, as of the methods with these names."""
         times = suitable_numbers("time", time, "times from 0 to 1, as shares of the whole", None, lambda t: (t >= 0) & (t <= 1))
         late = times > 0.5
         position, speed, acceleration = _half(self._first_half, np.where(late, 1 - times, times))
@@ -99,14 +100,14 @@ def vdi_law(name: str) -> MotionLaw:
     | Bestehorn | 2 | 6.283 | 19.74 | a sine: the motion is a cycloid |
 
     Args:
-        name: one of these names.
+        name: one of these names, or "sine" for Bestehorn's law.
 
     Raises:
         UnknownNameError: no law has this name.
     """
-    if not isinstance(name, str) or name not in _ACCELERATIONS:
+    if not isinstance(name, str) or name not in (*_ACCELERATIONS, SINE):
         raise UnknownNameError("motion law", name, _ACCELERATIONS)
-    return _law(name)
+    return _law("Bestehorn" if name == SINE else name)
 
 
 @cache
@@ -146,3 +147,4 @@ _ACCELERATIONS: Mapping[str, tuple[_Piece, ...]] = {  # in the first half of the
     "Bestehorn": (_Piece(1 / 2, frequency=2 * math.pi),),
 }
 VDI_LAWS = tuple(_ACCELERATIONS)
+SINE = "sine"  # another name of Bestehorn's law

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.servo.laws import VDI_LAWS
+from pinpress.common.motion_laws import VDI_LAWS
 
 SINE, TRAPEZOID = 4 * pi**2 / (4 + pi), 8 * pi / (2 + pi)
 COEFFICIENTS = {  # Cv, Ca, heat

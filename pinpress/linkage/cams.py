@@ -1,0 +1,283 @@
+"""Cams of a URDF, ``<cam>``: what the element says, the relation of its two joints, and the contact of the cam with the roller."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypedDict
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.errors import UrdfError, suggestion
+from ..common.quantities import Array
+from ..engines.cams import CamContact, CamLaw, CamPoint, law_problem
+from ..engines.constraints import Curve, Relation
+from ..engines.contacts import ZERO, UnitWrench
+from ..engines.structure import axes
+from .element import Element
+
+if TYPE_CHECKING:
+    from .description import Description, Point
+    from .document import Document
+
+KINDS = ("open", "groove")
+STEEPEST = {"guide": 30.0, "arm": 45.0}  # pressure angle above which a follower may jam [deg]
+IN_PLANE = 1e-6  # sine of an angle up to which a direction counts as drawn right: files round them to some six digits
+DRAWN = 1e-3  # share of the radius by which the drawn roller may be away from where the law has it: drawings are rounded
+
+
+@dataclass(frozen=True)
+class Cam:
+    """A ``<cam>``: a cam and the follower that its roller moves, named by their links. Attributes are those of the element.
+
+    One link carries the axis of the cam, and guides the follower or carries the pivot of its arm. ``radius`` is the distance of the
+    roller's centre from the axis of the cam at the lift 0 [m], ``offset`` that of the guide's line, positive on the side to which the cam
+    turns above its axis, seen in the direction of the lift [m]; ``arm`` the length from the pivot to the roller's centre [m]. In place of
+    offset or arm, ``center`` may be the roller's centre in the frame of the follower's link [m]; the lift then leads away from the cam,
+    else along the follower's coordinate. ``drawn_at`` is the angle of the law in the drawn pose [deg].
+
+    ``points`` are ``<point>`` elements, the law over a turn, or ``<row>`` elements, a table of lifts: ``angle`` [deg], ``lift`` [m; of an
+    arm deg], ``law`` of the piece that leads to the point, or ``slope`` and ``bend``, the derivatives of the lift by the angle in rad.
+    """
+
+    name: str
+    cam: str
+    follower: str
+    radius: float
+    roller_radius: float
+    roller_width: float = 0.0
+    offset: float | None = None
+    arm: float | None = None
+    center: Point | None = None
+    kind: str = "open"
+    drawn_at: float | None = None
+    points: tuple[CamPoint, ...] = ()
+    tabulated: bool = False
+    line: int = 0
+
+
+def points_of(element: Element) -> tuple[CamPoint, ...]:
+    """The points of a ``<cam>``, in the units of the file."""
+    result = []
+    for point in element.all("point", "row"):
+        slope, bend = (next(iter(point.numbers(name)), None) for name in ("slope", "bend"))
+        result.append(CamPoint(point.number("angle", 0.0), point.number("lift", 0.0), point.get("law"), slope, bend))
+    return tuple(result)
+
+
+def problems(element: Element, cam: Cam, description: Description) -> Iterator[tuple[Element, str, str]]:
+    """Problems of a cam that the element shows without the drawing: element, problem and remedy."""
+    carriers, bodies = description.carriers, description.bodies
+    for name in (cam.cam, cam.follower):
+        if name not in description.links:
+            yield element, f"no link {name!r}{suggestion(name, description.links)}", "name links of this file"
+        elif not description.moves(name):
+            yield element, f"link {name!r} does not move", "name a cam that turns, and a follower that a guide or a pivot carries"
+    if not all(name in description.links and description.moves(name) for name in (cam.cam, cam.follower)):
+        return
+    turning, following = (carriers[bodies[name]] for name in (cam.cam, cam.follower))
+    if turning.type not in ("revolute", "continuous"):
+        yield element, f"the cam {cam.cam!r} does not turn: joint {turning.name!r} is {turning.type}", "name a link that a pin carries"
+    if bodies[turning.parent] != bodies[following.parent]:
+        apart = f"the cam turns in {bodies[turning.parent]!r}, the follower moves in {bodies[following.parent]!r}"
+        yield element, apart, "name a cam and a follower that one link carries"
+    if cam.cam == cam.follower:
+        yield element, "cam and follower are one link", "name two links"
+    rivals = {joint.name: "a gear pair moves it" for joint in description.joints if joint.mimic}
+    rivals |= dict.fromkeys(description.drivers, "it is driven")
+    rivals |= {relation.joints[0]: f"relation {relation.name!r} moves it" for relation in description.relations if relation.joints}
+    if following.name in rivals:
+        problem = f"joint {following.name!r} of the follower obeys the cam, and {rivals[following.name]}"
+        yield element, problem, "remove the cam or the other one"
+    yield from ((element, *said) for said in _number_problems(element, cam, following.type == "prismatic"))
+    points = _points(cam, following.type != "prismatic")
+    if element.all("point") and element.all("row"):
+        yield element, "has points of a law and rows of a table", "write one of both"
+    elif said := law_problem(points, cam.tabulated, "m" if following.type == "prismatic" else "rad"):
+        yield element, *said
+    elif not cam.center and cam.drawn_at is None and abs(lift := float(CamLaw(points, cam.tabulated)(np.zeros(1))[0][0])) > 1e-9:
+        shown = f"{lift:.6g} m" if following.type == "prismatic" else f"{math.degrees(lift):.6g} deg"
+        problem = f"its law has the lift {shown} at 0 deg, the drawn pose, where the coordinate of the follower is 0"
+        yield element, problem, "draw the press where the lift is 0, or write the angle at which it is drawn with its lift: drawn_at"
+
+
+def _number_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple[str, str]]:
+    for name in ("radius", "roller_radius", "roller_width"):
+        if name in element.attributes and not element.fault(name) and not element.number(name, 1.0) > 0.0:
+            yield f"{name} is {element.get(name)}", "write a length above 0"
+    if cam.kind not in KINDS:
+        yield f"unknown kind {cam.kind!r}{suggestion(cam.kind, KINDS)}", f"write one of: {', '.join(KINDS)}"
+    if cam.center and (cam.offset is not None or cam.arm is not None):
+        yield "the centre of its roller is given twice", "write center, or else offset or arm"
+    if guided and cam.arm is not None:
+        yield "its follower is in a guide and has no arm", "write offset, the distance of the guide from the axis of the cam"
+    if not guided and cam.offset is not None:
+        yield "its follower is on an arm and has no offset", "write arm, the length from its pivot to the centre of the roller"
+    if not guided and cam.arm is None and not cam.center:
+        yield "its follower turns, and nothing says how long its arm is", "write arm, the length from its pivot to the centre of the roller"
+    if cam.arm is not None and not cam.arm > 0.0:
+        yield f"arm is {cam.arm:g}", "write a length above 0"
+    if guided and abs(cam.offset or 0.0) >= cam.radius > 0.0:
+        problem = (
+            f"its radius is {cam.radius:g} m, not more than the offset {abs(cam.offset or 0.0):g} m: the roller does not reach the cam"
+        )
+        yield problem, "write a larger radius or a smaller offset"
+
+
+def relation(cam: Cam, document: Document, model: pin.Model) -> Relation:
+    """The relation of the joints of a cam and its follower.
+
+    Raises:
+        UrdfError: the drawing does not suit the cam, or the cam is undercut.
+    """
+    turning, following = _joints(cam, document, model)
+    sense = _geometry(cam, document, model)["sense"]
+    points = _points(cam, bool(axes(model)[following].turns))
+    signed = ((point, sense * point.lift, _times(sense, point.slope), _times(sense, point.bend)) for point in points)
+    law = CamLaw(tuple(point._replace(lift=lift, slope=slope, bend=bend) for point, lift, slope, bend in signed), cam.tabulated)
+    curve = Curve(turning, law, math.radians(cam.drawn_at or 0.0))
+    found = Relation(cam.name, {following: 1.0}, 0.0, cam.line, curve).through(np.zeros(model.nv))
+    _check(cam, document, model, contact(cam, 0, found, document, model))
+    return found
+
+
+def contact(cam: Cam, k: int, relation: Relation, document: Document, model: pin.Model) -> CamContact:
+    """The contact of a cam, whose relation is the k-th one of the linkage."""
+    turning, following = _joints(cam, document, model)
+    assert relation.curve is not None
+    made = CamContact(
+        name=cam.name,
+        kind="cam",
+        relation=k,
+        first=turning + 1,
+        second=following + 1,
+        carrier=int(model.parents[turning + 1]),
+        unit=UnitWrench(ZERO, ZERO),
+        curve=relation.curve,
+        follower=following,
+        radius=cam.radius,
+        roller_radius=cam.roller_radius,
+        roller_width=cam.roller_width,
+        grooved=cam.kind == "groove",
+        **_geometry(cam, document, model),
+    )
+    return replace(made, unit=made.wrench(np.zeros((model.nv, 1))))
+
+
+def _joints(cam: Cam, document: Document, model: pin.Model) -> tuple[int, int]:
+    """Indices in v of the joints of the cam and of its follower."""
+    carriers, bodies = document.description.carriers, document.description.bodies
+    places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
+    turning, following = (places[carriers[bodies[name]].name] for name in (cam.cam, cam.follower))
+    return turning, following
+
+
+def _points(cam: Cam, turns: bool) -> tuple[CamPoint, ...]:
+    """The points of the law in SI units; ``turns``: whether the follower is on an arm, whose lifts are angles."""
+    unit = math.pi / 180 if turns else 1.0
+    return tuple(
+        CamPoint(math.radians(each.angle), unit * each.lift, each.law, _times(unit, each.slope), _times(unit, each.bend))
+        for each in cam.points
+    )
+
+
+def _times(factor: float, value: float | None) -> float | None:
+    return None if value is None else factor * value
+
+
+class _Geometry(TypedDict):
+    """The fields of a `CamContact` that follow from the drawing."""
+
+    sense: float
+    offset: float
+    arm: float
+    distance: float
+    turning: float
+    origin: Array
+    axes: Array
+
+
+def _geometry(cam: Cam, document: Document, model: pin.Model) -> _Geometry:
+    """Where cam and follower are in the drawing; raises UrdfError where they are not in one plane."""
+    turning, following = _joints(cam, document, model)
+    directions = axes(model)
+    of_cam, of_follower = (model.jointPlacements[joint + 1] for joint in (turning, following))
+    normal, way = (place.rotation @ directions[j].direction for place, j in ((of_cam, turning), (of_follower, following)))
+    turns, origin = directions[following].turns, of_cam.translation
+    off = np.cross(normal, way) if turns else normal * (normal @ way)
+    if np.abs(off).max() > IN_PLANE:
+        remedy = "draw the pivot of the arm parallel to the axis of the cam" if turns else "draw the guide at a right angle to that axis"
+        raise _refusal(cam, document, f"its follower does not move in the plane across the axis of the cam {cam.cam!r}", remedy)
+    roller = None
+    if cam.center is not None:
+        frame = model.frames[model.getFrameId(cam.follower, pin.BODY)]
+        roller = of_follower.act(frame.placement.act(np.array(cam.center)))
+        origin = origin + normal * (normal @ (roller - origin))
+    if not turns:
+        sense = 1.0 if roller is None else float(np.copysign(1.0, (roller - origin) @ way))
+        across = np.cross(sense * way, normal)
+        plane = np.array([across, np.cross(normal, across)]) / np.linalg.norm(across)
+        offset = cam.offset or 0.0 if roller is None else float((roller - origin) @ plane[0])
+        return _Geometry(sense=sense, offset=offset, arm=0.0, distance=0.0, turning=0.0, origin=origin, axes=plane)
+    to_pivot = of_follower.translation - origin
+    to_pivot = to_pivot - normal * (normal @ to_pivot)
+    distance = float(np.linalg.norm(to_pivot))
+    if not distance > DRAWN * cam.radius:
+        raise _refusal(cam, document, "the arm of its follower turns about the axis of the cam", "draw the pivot beside the cam")
+    plane = np.array([to_pivot, np.cross(normal, to_pivot)]) / distance
+    same = float(np.copysign(1.0, normal @ way))
+    if roller is None:
+        return _Geometry(sense=1.0, offset=0.0, arm=cam.arm or 0.0, distance=distance, turning=same, origin=origin, axes=plane)
+    x, y = plane @ (roller - origin)
+    turned = float(np.copysign(1.0, np.angle(-complex(x - distance, y))))
+    return _Geometry(
+        sense=turned * same, offset=0.0, arm=math.hypot(x - distance, y), distance=distance, turning=turned, origin=origin, axes=plane
+    )
+
+
+def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> None:
+    """Raise UrdfError for a roller that does not reach the cam, is drawn elsewhere than the law has it, or undercuts the cam."""
+    if made.arm and not abs(made.distance - made.arm) < made.radius < made.distance + made.arm:
+        problem = f"its arm of {made.arm:g} m, {made.distance:g} m away from the cam, does not reach the radius {made.radius:g} m"
+        raise _refusal(cam, document, problem, "write a radius between the difference and the sum of these lengths")
+    if not made.arm and not abs(made.offset) < made.radius:
+        problem = f"its radius is {made.radius:g} m, and the centre of the roller passes the cam at {abs(made.offset):g} m"
+        raise _refusal(cam, document, problem, "write a larger radius, or a centre nearer to the line of the guide through the cam")
+    lowest, highest = -made.largest(lambda states: -states.lift)[1], made.largest(lambda states: states.lift)[1]
+    if made.start + lowest <= 0.0 or (made.arm and made.start + highest >= np.pi):
+        problem = "its lifts lead the roller beyond the line on which it is nearest to or farthest from the cam"
+        raise _refusal(cam, document, problem, "write smaller lifts or a larger radius")
+    nearest = -made.largest(lambda states: -np.abs(states.roller))[1]
+    if nearest <= cam.roller_radius:
+        problem = f"its roller has a radius of {cam.roller_radius:g} m, and its centre comes to {nearest:.6g} m from the axis of the cam"
+        raise _refusal(cam, document, problem, "write a larger radius or a smaller roller")
+    if cam.center is not None:
+        frame = model.frames[model.getFrameId(cam.follower, pin.BODY)]
+        roller = model.jointPlacements[made.second].act(frame.placement.act(np.array(cam.center)))
+        drawn, angle = float(np.linalg.norm(roller - made.origin)), made.curve.start
+        wanted = abs(complex(made.at(np.array([angle])).roller[0]))
+        if abs(drawn - wanted) > DRAWN * cam.radius:
+            problem = f"its roller is drawn {drawn:.6g} m from the axis of the cam, and the law has it at {wanted:.6g} m at"
+            remedy = "draw it there, or write the angle of the law in the drawn pose: drawn_at"
+            raise _refusal(cam, document, f"{problem} {math.degrees(angle):g} deg, as in the drawn pose", remedy)
+    angle, curvature = made.largest(lambda states: np.abs(states.curvature) if made.grooved else states.curvature)
+    if curvature * cam.roller_radius >= 1.0:
+        path = f"the path of its roller has a radius of {1 / curvature:.4g} m at {math.degrees(angle):.4g} deg"
+        problem = f"the cam is undercut: {path}, not more than that of the roller, {cam.roller_radius:g} m"
+        raise _refusal(cam, document, problem, "write a smaller roller, a larger radius, or more angle for the lift")
+
+
+def steep(made: CamContact) -> tuple[str, str] | None:
+    """Doubt of a pressure angle at which the follower may jam: problem and remedy."""
+    angle, largest = made.largest(lambda states: np.abs(states.pressure_angle))
+    limit, of = STEEPEST["arm" if made.arm else "guide"], "an arm" if made.arm else "a guide"
+    if math.degrees(largest) <= limit:
+        return None
+    problem = f"its pressure angle reaches {math.degrees(largest):.4g} deg at {math.degrees(angle):.4g} deg, above {limit:g} deg for {of}"
+    return problem, "write a larger radius, or more angle for the lift"
+
+
+def _refusal(cam: Cam, document: Document, problem: str, remedy: str) -> UrdfError:
+    return UrdfError(document.file, document.called("cam", cam.name), cam.line, problem, remedy)
