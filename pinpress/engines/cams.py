@@ -67,7 +67,7 @@ class CamLaw:
         piece = (np.searchsorted(self._knots, turned, side="right") - 1).clip(0, len(self._knots) - 2)
         since = turned - self._knots[piece]
         polynomials = self._polynomials[:, piece]
-        derivatives = (np.polynomial.polynomial.polyder(polynomials, order) for order in range(3))
+        derivatives = (np.asarray(np.polynomial.polynomial.polyder(polynomials, order), dtype=float) for order in range(3))
         values = np.array([polynomial_values(each, since) for each in derivatives])
         for k, (law, width, rise) in self._laws.items():
             inside = piece == k
@@ -79,9 +79,7 @@ class CamLaw:
     @cached_property
     def corners(self) -> Array:
         """(k,) angles within a turn where acceleration or jerk may jump [rad]; none of a table of lifts."""
-        starts = self._knots[list(self._laws)]
-        widths, laws = ([law[place] for law in self._laws.values()] for place in (1, 0))
-        of_pieces = (start + width * np.array([0.0, *law.corners, 1.0]) for start, width, law in zip(starts, widths, laws, strict=True))
+        of_pieces = (self._knots[k] + width * np.array([0.0, *law.corners, 1.0]) for k, (law, width, _) in self._laws.items())
         return np.unique(np.concatenate([np.zeros(0), *of_pieces]))
 
     @cached_property
