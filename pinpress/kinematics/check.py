@@ -30,8 +30,8 @@ from ..linkage.home import mount
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build, locate, parse, refuse_without_driver
 from .main_data import MainData, main_data, main_lines
+from .planar.transmission_angles import Dyad, least_transmission_angles
 from .slide_path import turning_points
-from .transmission_angles import Dyad, least_transmission_angles
 
 # What becomes of the freedoms of each kind.
 KINDS = {

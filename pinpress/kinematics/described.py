@@ -6,7 +6,7 @@ All functions raise `PinpressError` for values that are not finite.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from ..common.quantities import Array, DriverCoordinate
 from ..linkage.linkage import Linkage
 from .frames.workspace import ReachMap
 from .motion import ROUNDING, Motion, finite, is_constant, is_cycle
+from .planar.poles import PolePath, VectorPolygons
 from .slide_path import DeadCentres, dead_centres
 from .traces import PointTrace
+
+FAR = 4.0  # times the median distance of a pole from its middle up to which its path is drawn: it goes to infinity
 
 
 def described(motion: Motion) -> tuple[Section, ...]:
@@ -183,9 +186,62 @@ def point_trace(found: PointTrace) -> tuple[Section, ...]:
     return (Section(f"Point {found.name}", figures, charts),)
 
 
+def pole_path(found: PolePath) -> tuple[Section, ...]:
+    """The path of a pole where it is not far away, and the relative angular velocity."""
+    along, position = along_motion(found.motion), found.position
+    wide = _plane_of(found.angular_velocity)
+    axis = 3 - sum(wide)
+    charts = []
+    if np.isfinite(position).any():
+        away = np.linalg.norm(position - np.nanmedian(position, axis=0), axis=1)
+        near = away <= FAR * np.nanmedian(away)
+        branches = np.split(np.arange(len(near)), np.flatnonzero(np.diff(near)) + 1)
+        curves = [
+            Curve(f"branch {k}", *_line(position[branch][:, wide])) for k, branch in enumerate((b for b in branches if near[b[0]]), 1)
+        ]
+        title, note = (
+            f"Path of the pole, {'xyz'[wide[1]]} over {'xyz'[wide[0]]}",
+            "" if near.all() else "parts that are far away are left out",
+        )
+        charts.append(Chart("path", title, "m", Along("xyz"[wide[0]], "m"), curves, square=True, note=note))
+    title = f"Relative angular velocity about {'xyz'[axis]}"
+    charts.append(chart("angular velocity", title, "rad/s", along, {"angular velocity": found.angular_velocity[:, axis]}))
+    return (Section(f"Pole of {found.link} relative to {found.to}", blocks=charts),)
+
+
+def vector_polygons(found: VectorPolygons) -> tuple[Section, ...]:
+    """Both polygons: vectors of the pins from the pole of the polygon, and the figures that the pins of each link form there."""
+    wide = ["xyz".index(axis) for axis in found.axes]
+
+    def polygon(name: str, unit: str, vectors: Mapping[str, Array]) -> Chart:
+        tips = {point: finite(name, vector)[wide] for point, vector in vectors.items()}
+        rays = [Curve(point, *_line([np.zeros(2), tip]), look="marked") for point, tip in tips.items() if tip.any()]
+        round_trips = {link: [*points, points[0]] for link, points in found.links.items()}
+        figures = [Curve(link, *_line([tips[point] for point in points]), look="guide") for link, points in round_trips.items()]
+        title = f"{name.capitalize()} polygon, {found.axes[1]} over {found.axes[0]}"
+        return Chart(name, title, unit, Along(found.axes[0], unit), [*figures, *rays], square=True)
+
+    charts = [polygon("velocity", "m/s", found.velocity), polygon("acceleration", "m/s2", found.acceleration)]
+    return (Section("Polygons", blocks=charts),)
+
+
+def _line(points: Sequence[Array] | Array) -> tuple[Array, Array]:
+    """Values up and across (n,) of a line through points."""
+    across, up = np.array(points).T
+    return read_only(up), read_only(across)
+
+
+def _plane_of(spin: Array) -> list[int]:
+    """The two world axes of the drawing of a planar linkage, from angular velocities (n, 3)."""
+    about = int(np.abs(spin).sum(axis=0).argmax()) if spin.any() else 1
+    return [axis for axis in range(3) if axis != about]
+
+
 SECTIONS = {
     Motion: lambda motion, page: described(motion),
     ReachMap: lambda found, page: workspace(found),
     PointTrace: lambda found, page: point_trace(found),
+    PolePath: lambda found, page: pole_path(found),
+    VectorPolygons: lambda found, page: vector_polygons(found),
 }
 """How results of this room are described."""

@@ -372,6 +372,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "force": Late(lambda: reactions().shaking_force),
     },
     "measures.duty_cycle": {"end": 0.5},
+    "measures.poles": {"to": "frame"},
     "measures.workspace": {
         "press": Late(every_result.leg),
         "frame": "foot",

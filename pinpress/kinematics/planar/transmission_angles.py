@@ -12,16 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.arguments import typed
-from ..common.frozen import NamedArrays
-from ..common.quantities import Array
-from ..common.results import Record, Records, Tabular
-from ..engines.planar.model import Block, Plane
-from ..linkage.linkage import Linkage
-from ..linkage.memo import per_linkage
-from .cycle import motion_through_change_points
-from .motion import Motion, refuse_motion_of_another
-from .poses import bearing_points, poses
+from ...common.arguments import typed
+from ...common.frozen import NamedArrays
+from ...common.quantities import Array
+from ...common.results import Record, Records, Tabular
+from ...engines.planar.model import Block, Plane
+from ...linkage.linkage import Linkage
+from ...linkage.memo import per_linkage
+from ..cycle import motion_through_change_points
+from ..motion import Motion, refuse_motion_of_another
+from ..poses import bearing_points, poses
 
 SAMPLES = 720  # crank angles of a turn between which the least angle is searched
 CLOSER, ROUNDS = 10, 7  # factor by which each round of the search is finer than the one before, and number of rounds
