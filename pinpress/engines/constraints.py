@@ -82,7 +82,7 @@ class Relation:
     of two joints (`gear`), a joint that stands still is one of a single joint.
 
     Attributes:
-        name: of the joint that it determines.
+        name: of the joint that it determines; that of a machine element, such as teeth, is its own.
         coefficients: by the indices of joints in v; that of the first joint, which it determines, is 1.
         offset: right-hand side, in the unit of the first joint [rad or m].
         line: line of its element in the URDF; 0 if none stands there.
@@ -137,7 +137,7 @@ class Coupling:
     """A gear pair or the like, as a view of its `Relation`: coordinate of the follower = multiplier x coordinate of the leader + offset.
 
     Attributes:
-        name: of the follower joint.
+        name: of the follower joint; that of a machine element is its own.
         follower: index of the follower in v.
         leader: index of the leader in v.
         multiplier: ratio of the two coordinates.

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cached_property
+from typing import Any
 
 from ..common.arguments import LARGEST
 from ..common.parameters import Checked, parameter
@@ -17,7 +18,9 @@ from ..common.quantities import Values
 from .element import Element
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
-MOST = dict.fromkeys(("link", "joint", "relation", "joint_spring", "armature", "material"), 1000) | {"loop_joint": 500, "transmission": 500}
+MOST = dict.fromkeys(("link", "joint", "relation", "joint_spring", "armature", "material"), 1000) | dict.fromkeys(
+    ("loop_joint", "transmission", "gear_mesh", "rack", "screw", "worm"), 500
+)
 DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
 
 FREE = ("_x", "_y", "_z", "_rz", "_ry", "_rx")
@@ -111,6 +114,105 @@ class JointSpring(Checked):
 
 
 @dataclass(frozen=True)
+class GearMesh:
+    """A ``<gear_mesh>``: two gears, named by their links, whose centres one link carries. Attributes are those of the element.
+
+    Numbers of teeth are negative of internal gears. ``carrier`` is the link that holds both centres, empty where it is to be found; of the
+    helix ``hand`` is that of gear 1. Angles are in degrees, ``module`` is that of the normal section [m], 0 where the drawn centre distance
+    says it. ``center1`` and ``center2`` are points in the frames of the gears' links [m], None for a pin of the gear.
+    """
+
+    name: str
+    gear1: str
+    gear2: str
+    teeth1: float
+    teeth2: float
+    carrier: str = ""
+    pressure_angle: float = 20.0
+    helix: float = 0.0
+    hand: str = "right"
+    double_helical: bool = False
+    module: float = 0.0
+    efficiency: float = 1.0
+    planets: float = 1.0
+    center1: Point | None = None
+    center2: Point | None = None
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class Rack:
+    """A ``<rack>``: a pinion and a rack, named by their links; a link carries the pinion's axis and guides the rack.
+
+    ``radius`` is that of the pinion's pitch circle [m]; 0 where ``module`` [m] and ``teeth`` say it. The pinion lies on the ``side`` of the
+    rack, "left" or "right", seen with the axis of the rack's guide pointing up and the pinion's axis towards the viewer; empty where the
+    drawing says it. ``hand`` is that of the pinion's helix. Angles are in degrees.
+    """
+
+    name: str
+    pinion: str
+    rack: str
+    radius: float = 0.0
+    module: float = 0.0
+    teeth: float = 0.0
+    side: str = ""
+    carrier: str = ""
+    pressure_angle: float = 20.0
+    helix: float = 0.0
+    hand: str = "right"
+    efficiency: float = 1.0
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class Screw:
+    """A ``<screw>``: a screw and its nut, named by their links.
+
+    ``lead`` is the travel in one turn [m]. A right-handed screw moves along an axis, against its nut, where it turns positively about that
+    axis. ``diameter`` is the mean one of the thread [m], ``flank`` the angle between flank and the plane across the axis [deg], and
+    ``friction`` the coefficient there. The collar, between screw and the link that carries its axis, has a mean ``collar_diameter`` [m].
+    """
+
+    name: str
+    screw: str
+    nut: str
+    lead: float
+    diameter: float = 0.0
+    flank: float = 15.0
+    friction: float = 0.0
+    hand: str = "right"
+    collar_friction: float = 0.0
+    collar_diameter: float = 0.0
+    line: int = 0
+
+
+@dataclass(frozen=True)
+class Worm:
+    """A ``<worm>``: a worm and its wheel, named by their links, with axes at a right angle that one link carries.
+
+    ``quotient`` is the pitch diameter of the worm by the axial ``module`` [m]. One of the two may be 0: the drawn centre distance says it.
+    """
+
+    name: str
+    worm: str
+    wheel: str
+    starts: float
+    teeth: float
+    module: float = 0.0
+    quotient: float = 0.0
+    carrier: str = ""
+    pressure_angle: float = 20.0
+    friction: float = 0.0
+    hand: str = "right"
+    line: int = 0
+
+
+MachineElement = GearMesh | Rack | Screw | Worm
+MACHINE_ELEMENTS: dict[str, type[MachineElement]] = {"gear_mesh": GearMesh, "rack": Rack, "screw": Screw, "worm": Worm}
+"""What the elements of teeth and threads are, by their tags."""
+
+
+@dataclass(frozen=True)
 class Description:
     """The contents of a URDF, in document order.
 
@@ -126,6 +228,7 @@ class Description:
     armature: Mapping[str, float] = field(default_factory=dict)
     relations: tuple[Relation, ...] = ()
     home: Mapping[str, float] = field(default_factory=dict)
+    machine_elements: tuple[MachineElement, ...] = ()
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -219,7 +322,8 @@ def describe(robot: Element) -> Description:
     armature = {element.get("joint"): element.number("inertia", 0.0) for element in robot.all("armature")}
     relations = tuple(_relation(relation) for relation in robot.all("relation"))
     home = {joint.get("name"): joint.number("position", 0.0) for home in robot.all("home") for joint in home.all("joint")}
-    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations, home)
+    elements = tuple(machine_element(element) for element in robot.all(*MACHINE_ELEMENTS))
+    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations, home, elements)
 
 
 def _drivers(robot: Element) -> list[str]:
@@ -263,6 +367,25 @@ def _relation(relation: Element) -> Relation:
     coefficients = tuple(joint.number("coefficient", 1.0) for joint in joints)
     name, offset = relation.get("name"), relation.number("offset", 0.0)
     return Relation(name, tuple(joint.get("name") for joint in joints), coefficients, offset, relation.line)
+
+
+def machine_element(element: Element) -> MachineElement:
+    """What an element of teeth or threads says, attribute by attribute."""
+    kind = MACHINE_ELEMENTS[element.tag]
+    said: dict[str, Any] = {}
+    for each in fields(kind):
+        default = None if each.default is MISSING else each.default
+        if each.name == "line":
+            said[each.name] = element.line
+        elif each.name.startswith("center"):
+            said[each.name] = element.numbers(each.name) or None
+        elif isinstance(default, bool):
+            said[each.name] = element.get(each.name).lower() == "true"
+        elif each.type in ("float", float):
+            said[each.name] = element.number(each.name, 0.0 if default is None else default)
+        else:
+            said[each.name] = element.get(each.name) or default or ""
+    return kind(**said)
 
 
 def _loop(loop: Element) -> Loop:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,8 +13,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import number, numbers
-from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
-from ..common.frozen import Frozen
+from ..common.errors import PinpressError, SingularityError, UnknownNameError, UrdfError, shown
+from ..common.frozen import Frozen, FrozenMapping
 from ..common.quantities import Array, DriverCoordinate
 from ..engines import branch
 from ..engines.branch import Branch
@@ -41,6 +42,7 @@ from .assembly import (
 from .description import JointSpring
 from .document import Document
 from .driving.freedoms import Freedom, Undriven, undriven
+from .machine_elements import Mesh, Placed, contacts_of, placed
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .planarity import Planarity
 from .tool_point import ToolPoint, tool_point
@@ -121,6 +123,9 @@ class Linkage(Frozen):
             joint, problem = wrong
             body = f"link {self.link_of(joint)!r}, with all that is welded to it,"
             raise PinpressError(f"{self.name}: {body} has {problem}: give inertias of bodies, in kg and kg m2 about the centre of mass")
+        if self.contacts and self.document.description.machine_elements:  # of another model they are elsewhere
+            with contextlib.suppress(UrdfError):  # lengths that deviate a little leave gears as they were
+                vars(self)["contacts"] = contacts_of(self._elements, self.relations)
 
     def __repr__(self) -> str:
         passive = f", passive {', '.join(self.passive)}" if self.passive else ""
@@ -219,6 +224,17 @@ class Linkage(Frozen):
     def couplings(self) -> tuple[Coupling, ...]:
         """The relations between the coordinates of two joints each, as follower, leader and ratio: gear pairs, racks and screws."""
         return tuple(Coupling.of(relation) for relation in self.relations if relation.is_pair)
+
+    @property
+    def meshes(self) -> Mapping[str, Mesh]:
+        """Gears, racks, screws and worms of the file by their names: pitch points and circles, ratios, efficiencies."""
+        return FrozenMapping({each.mesh.name: each.mesh for each in self._elements})
+
+    @property
+    @per_linkage(of_geometry=True)
+    def _elements(self) -> tuple[Placed, ...]:
+        """The elements of teeth and threads in the drawn pose; raises UrdfError where they no longer mesh in a changed model."""
+        return placed(self.document, self.model, self.loops)
 
     @property
     def mobility(self) -> int:

@@ -15,6 +15,7 @@ from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution,
 from ..common.files import alike, path_of
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, Relation, gear
+from . import machine_elements
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .description import Description, Loop
@@ -188,24 +189,27 @@ def build(
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name, inertia in description.armature.items():
         model.armature[places[name]] = inertia
+    loops = tuple(_loop_joint(model, loop) for loop in description.loops)
+    mimics = (
+        gear(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
+        for j in description.joints
+        if j.mimic
+    )
+    relations = (*mimics, *(_relation(relation, places) for relation in description.relations))
+    elements = machine_elements.placed(document, model, loops)
+    of_elements = machine_elements.relations_of(document, elements, model, loops, [places[driver] for driver in drivers], relations)
     return Linkage(
         name=description.name,
         document=document,
         model=model,
         links=description.links,
         root=description.root,
-        loops=tuple(_loop_joint(model, loop) for loop in description.loops),
-        relations=(
-            *(
-                gear(j.name, places[j.name], places[j.mimic.leader], j.mimic.multiplier, j.mimic.offset, j.mimic.line)
-                for j in description.joints
-                if j.mimic
-            ),
-            *(_relation(relation, places) for relation in description.relations),
-        ),
+        loops=loops,
+        relations=relations + of_elements,
         drivers=drivers,
         slide=_slide(description, slide, drivers),
         joint_springs=description.joint_springs,
+        contacts=machine_elements.contacts_of(elements, relations + of_elements),
     )
 
 

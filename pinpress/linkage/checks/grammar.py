@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import MISSING, fields
 from functools import cache
 from typing import NamedTuple
 
 from ...common.arguments import LARGEST
 from ...common.errors import shown, suggestion
+from ..description import MACHINE_ELEMENTS
 from ..document import Finding
 from ..element import Element
 
@@ -26,10 +28,15 @@ class _Rule(NamedTuple):
     foreign_attributes: str = ""
 
 
+def _attributes(kind: type) -> str:
+    """Attributes of an element of teeth or threads; those with a default may be missing."""
+    return " ".join(f"{each.name}{'' if each.default is MISSING else '?'}" for each in fields(kind) if each.name not in ("line", "name"))
+
+
 _RULES = {
     "robot": _Rule(
         "name? version?",
-        "link* joint* loop_joint* relation* joint_spring* armature* material* transmission* home?",
+        "link* joint* loop_joint* relation* gear_mesh* rack* screw* worm* joint_spring* armature* material* transmission* home?",
         "warning",
         "gazebo ros2_control mujoco sensor fixed_frame frame",
     ),
@@ -52,6 +59,7 @@ _RULES = {
     "armature": _Rule("joint inertia"),
     "relation": _Rule("name? offset?", "joint*"),
     "relation joint": _Rule("name coefficient?"),
+    **{tag: _Rule(f"name? {_attributes(kind)}") for tag, kind in MACHINE_ELEMENTS.items()},
     "inertial": _Rule("", "origin? mass inertia", "warning"),
     "transmission": _Rule("name? type?", "", "warning"),
     "home": _Rule("", "joint*"),
@@ -103,6 +111,7 @@ _QUANTITIES = (
     "damping",
     "position",
     "inertia",
+    *(each.name for kind in MACHINE_ELEMENTS.values() for each in fields(kind) if each.type == "float" or each.name.startswith("center")),
 )
 
 

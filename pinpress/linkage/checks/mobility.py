@@ -13,6 +13,7 @@ from ...engines.pinocchio.equations import Rows
 from ...engines.rank import PassiveJacobian, rank, singular_values
 from ..driving.freedoms import generic_ways
 from ..linkage import Linkage
+from ..machine_elements import WORDS
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
 
@@ -24,16 +25,20 @@ class Constraint(NamedTuple):
         by: the loop joint or relation.
         points: indices of its equations of points.
         turns: indices of its equations of rotations, or of the relation.
+        kind: of the contact that the relation stands for; empty for others.
     """
 
     by: LoopJoint | Relation
     points: tuple[int, ...]
     turns: tuple[int, ...]
+    kind: str = ""
 
     @property
     def title(self) -> str:
         if isinstance(self.by, LoopJoint):
             return f"loop {self.by.name!r}"
+        if self.kind:
+            return f"{WORDS[self.kind]} {self.by.name!r}"
         return f"{'gear pair' if self.by.is_pair else 'relation'} of joint {self.by.name!r}"
 
     def gap(self, gaps: Array) -> float:
@@ -45,6 +50,8 @@ def element(press: Linkage, each: Constraint) -> str:
     """The element of a loop or gear pair, as messages call it."""
     if isinstance(each.by, LoopJoint):
         return press.document.called("loop_joint", each.by.name)
+    if each.kind:
+        return press.document.called("gear_mesh" if each.kind == "gears" else each.kind, each.by.name)
     for relation in press.document.description.relations:
         if each.by.name == relation.joints[0]:
             return press.document.called("relation", relation.name)
@@ -66,7 +73,8 @@ def constraints(press: Linkage) -> list[Constraint]:
     for k, loop in enumerate(press.loops):
         result.append(Constraint(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held_rotations))))
         row += loop.held_rotations
-    return result + [Constraint(relation, (), (row + k,)) for k, relation in enumerate(press.relations)]
+    kinds = {contact.relation: contact.kind for contact in press.contacts}
+    return result + [Constraint(relation, (), (row + k,), kinds.get(k, "")) for k, relation in enumerate(press.relations)]
 
 
 def opening(press: Linkage, each: Constraint, gaps: Array) -> tuple[float, float]:

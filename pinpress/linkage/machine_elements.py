@@ -1,0 +1,801 @@
+"""Teeth and threads of a linkage as drawn: which joints they relate, and how the bodies push on each other.
+
+Gears mesh by the angles against the link that carries both centres: z1 (th1 - thc) + z2 (th2 - thc) stays as drawn, with z < 0 of an
+internal gear and angles th that are sums of joint coordinates from the frame. A rack rolls on the pitch circle, s = r th, a nut runs along
+a thread, s = L/(2 pi) th, both against the same link. So each element is a row of coefficients of joints, and the multiplier of the row
+an effort on the joint that it determines.
+
+What really acts is a force at the pitch point. Its part along the motion follows from virtual work; pressure angle, helix and friction
+say the rest. It stands still in the carrier, so that it is worked out once, in the drawn pose.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.errors import UrdfError
+from ..common.frozen import Frozen
+from ..common.quantities import Array
+from ..engines.constraints import LoopJoint, Relation
+from ..engines.contacts import Contact, Rubbing, UnitWrench
+from ..engines.structure import axes, drawn_placements, joints_between
+from .description import MACHINE_ELEMENTS, GearMesh, MachineElement, Rack, Screw, Worm
+from .document import Document
+
+TAGS = {kind: tag for tag, kind in MACHINE_ELEMENTS.items()}
+WORDS = {"gears": "gear mesh", "rack": "rack", "screw": "screw", "worm": "worm", "cam": "cam"}
+"""What messages call a contact, by its kind."""
+
+COINCIDE = 1e-6  # points of one axis are apart by less, as files round them [lengths of the linkage]
+ALIGNED = 1e-6  # sine of the angle up to which axes count as parallel or at a right angle
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh(Frozen):
+    """Two bodies that mesh by teeth or a thread, and where.
+
+    Attributes:
+        name: of the element.
+        kind: "gears", "rack", "screw" or "worm".
+        links: names of its two links, in the order of the element.
+        carrier: name of the link in which the pitch point stands still.
+        ratio: speed of the second by that of the first link, relative to the carrier: of gears about the same axis [rad/rad], of a worm
+            about the axes of both joints, of a rack along its guide and of a nut along the screw's axis [m/rad].
+        pitch_point: (3,) where they touch, in the carrier's link frame [m].
+        centres: (2, 3) points on the axes of the two, each in its link's frame [m]; of a rack the point of the pitch line as drawn.
+        axes: (2, 3) unit vectors of these axes, each in its link's frame; of a rack the direction of its guide.
+        held: (2, 3) points of both axes on the carrier, in the world as drawn [m].
+        radii: radii of the pitch circles: two of gears and worms, one of a pinion, none of a screw [m].
+    """
+
+    name: str
+    kind: str
+    links: tuple[str, str]
+    carrier: str
+    ratio: float
+    pitch_point: Array
+    centres: Array
+    axes: Array
+    held: Array
+    radii: tuple[float, ...]
+
+    def __repr__(self) -> str:
+        return f"<{WORDS[self.kind]} {self.name!r}: {' - '.join(self.links)} on {self.carrier}, {', '.join(self._words())}>"
+
+    def _words(self) -> Iterator[str]:
+        yield f"ratio {self.ratio:.6g}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Gears(Mesh):
+    """Two gears that mesh.
+
+    Attributes:
+        teeth: numbers of teeth, negative of an internal gear.
+        module: of the normal section [m]; without one in the file that of the drawn centre distance.
+        pressure_angle: at the pitch point, in the plane across the axes [rad]; with a module in the file the working one.
+        helix: angle of the teeth at the pitch circles [rad].
+        efficiency: power that goes on by the power that rolls through the teeth.
+        planets: number of equal planets for which the one drawn stands.
+    """
+
+    teeth: tuple[int, int]
+    module: float
+    pressure_angle: float
+    helix: float
+    efficiency: float
+    planets: int
+
+    def _words(self) -> Iterator[str]:
+        yield f"teeth {self.teeth[0]} and {self.teeth[1]}, ratio {self.ratio:.6g}"
+        yield f"module {1e3 * self.module:.6g} mm, pressure angle {math.degrees(self.pressure_angle):.6g} deg"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RackAndPinion(Mesh):
+    """A pinion and its rack.
+
+    Attributes:
+        side: of the rack on which the pinion lies, "left" or "right".
+        pressure_angle: in the plane across the pinion's axis [rad].
+        helix: angle of the teeth [rad].
+        efficiency: power that goes on by the power that rolls through the teeth.
+    """
+
+    side: str
+    pressure_angle: float
+    helix: float
+    efficiency: float
+
+    def _words(self) -> Iterator[str]:
+        yield f"radius {1e3 * self.radii[0]:.6g} mm, pinion {self.side} of the rack"
+
+
+class _Locking(Mesh):
+    """An element that rubs as a wedge does."""
+
+    efficiency_backward: float
+
+    @property
+    def self_locking(self) -> bool:
+        """Whether the second body cannot drive the first one."""
+        return self.efficiency_backward <= 0.0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ScrewAndNut(_Locking):
+    """A screw and its nut. Efficiencies are those of the thread, without the collar.
+
+    Attributes:
+        lead: travel in one turn [m].
+        lead_angle: of the thread at its mean diameter [rad]; a quarter turn where no diameter is given.
+        friction_angle: in the thread, with its flanks [rad].
+        efficiency: where the screw drives the nut.
+        efficiency_backward: where the nut drives the screw; 0 or less if it cannot, of a screw that locks itself.
+    """
+
+    lead: float
+    lead_angle: float
+    friction_angle: float
+    efficiency: float
+    efficiency_backward: float
+
+    def _words(self) -> Iterator[str]:
+        yield f"lead {1e3 * self.lead:.6g} mm, efficiency {self.efficiency:.4g}"
+        yield "locks itself" if self.self_locking else f"backward {self.efficiency_backward:.4g}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WormAndWheel(_Locking):
+    """A worm and its wheel.
+
+    Attributes:
+        starts: of the worm.
+        teeth: of the wheel.
+        module: axial one of the worm [m].
+        lead_angle: of the worm at its pitch circle [rad].
+        efficiency: where the worm drives the wheel.
+        efficiency_backward: where the wheel drives the worm; 0 or less if it cannot, of a worm that locks itself.
+    """
+
+    starts: int
+    teeth: int
+    module: float
+    lead_angle: float
+    efficiency: float
+    efficiency_backward: float
+
+    def _words(self) -> Iterator[str]:
+        yield f"starts {self.starts}, teeth {self.teeth}, efficiency {self.efficiency:.4g}"
+        yield "locks itself" if self.self_locking else f"backward {self.efficiency_backward:.4g}"
+
+
+class Placed(NamedTuple):
+    """An element in the drawing.
+
+    Attributes:
+        mesh: what it is.
+        row: coefficients by the indices of joints in v: their sum with the coordinates stays zero.
+        contact: what acts where the multiplier of this row is 1; its relation is not known yet.
+    """
+
+    mesh: Mesh
+    row: Mapping[int, float]
+    contact: Contact
+
+
+class _MeshError(Exception):
+    """A problem of an element and its remedy."""
+
+
+class _UnfitError(Exception):
+    """An element that does not fit to others, the problem and its remedy."""
+
+
+# ------------------------------------------------------------------------------------------------------------- relations and contacts
+
+
+def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint]) -> tuple[Placed, ...]:
+    """The elements of a URDF in the drawing of its model; raises UrdfError where they cannot mesh."""
+    elements = document.description.machine_elements
+    drawing, result = _Drawing(model, loops), []
+    for said in elements:
+        try:
+            result.append(_PLACES[type(said)](said, drawing))
+        except _MeshError as fault:
+            raise _refusal(document, said, *fault.args) from None
+    try:
+        result = list(_with_planets(elements, result))
+        _refuse_unfit_teeth(elements, [each.mesh for each in result])
+    except _UnfitError as fault:
+        raise _refusal(document, *fault.args) from None
+    return tuple(result)
+
+
+def relations_of(
+    document: Document,
+    elements: Sequence[Placed],
+    model: pin.Model,
+    loops: Sequence[LoopJoint],
+    drivers: Collection[int],
+    others: Sequence[Relation],
+) -> tuple[Relation, ...]:
+    """The relations of elements. Each determines a joint that no driver moves and nothing else determines, rather one on no loop; one of
+    them that is redundant, as of the second of several planets, determines one again.
+
+    Args:
+        document: of the linkage, for messages.
+        elements: of the linkage, as `placed`.
+        model: of its tree.
+        loops: of the linkage.
+        drivers: indices of the drivers in v.
+        others: relations that the file has beside them.
+
+    Raises:
+        UrdfError: two joints that turn together already.
+    """
+    parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
+    on_loops = {joint for loop in loops for joint in joints_between(parents, loop.joint1 - 1, loop.joint2 - 1)}
+    related = {frozenset(other.coefficients): f"joint {other.name!r}" for other in others if other.is_pair}
+    for said, each in zip(document.description.machine_elements, elements, strict=True):
+        pair = frozenset(each.row)
+        if len(pair) == 2 and pair in related:
+            names = " and ".join(repr(model.names[joint + 1]) for joint in sorted(pair))
+            problem = f"joints {names} are related already, by {related[pair]}"
+            raise _refusal(
+                document, said, problem, "remove one of the two: a ratio stands in one place, <gear_mesh> brings its forces with it"
+            )
+        related[pair] = f"{WORDS[each.mesh.kind]} {each.mesh.name!r}"
+    taken = {*drivers, *(other.joint for other in others)}
+    wanted = [sorted(each.row, key=lambda joint: (joint in taken, joint in on_loops)) for each in elements]
+    chosen = _matched([[joint for joint in joints if joint not in taken] for joints in wanted])
+    relations = []
+    for k, (said, each) in enumerate(zip(document.description.machine_elements, elements, strict=True)):
+        first = chosen.get(k, wanted[k][0])
+        row = {first: each.row[first], **each.row}
+        relations.append(Relation(said.name, {joint: by / row[first] for joint, by in row.items()}, 0.0, said.line))
+    return tuple(relations)
+
+
+def contacts_of(elements: Sequence[Placed], relations: Sequence[Relation]) -> tuple[Contact, ...]:
+    """The contacts of elements, whose relations are among these by their names."""
+    indices = {relation.name: k for k, relation in enumerate(relations)}
+    contacts = []
+    for each in elements:
+        k = indices[each.mesh.name]
+        by = 1.0 / each.row[relations[k].joint]  # multiplier of the row by the effort on this joint
+        unit, size = each.contact.unit, abs(by)
+        rubbing = tuple(
+            rubs._replace(
+                force=by * rubs.force,
+                couple=by * rubs.couple,
+                push_backward=None if rubs.push_backward is None else size * rubs.push_backward,
+            )
+            for rubs in each.contact.rubbing
+        )
+        unit = UnitWrench(unit.point, by * unit.force, by * unit.couple, size * unit.push)
+        contacts.append(replace(each.contact, relation=k, unit=unit, rubbing=rubbing))
+    return tuple(contacts)
+
+
+def _matched(choices: Sequence[Sequence[int]]) -> dict[int, int]:
+    """A different one of its choices for as many places as possible, the first choices of the first places where that can be."""
+    of: dict[int, int] = {}  # places by what they have
+
+    def find(place: int, seen: set[int]) -> bool:
+        for choice in choices[place]:
+            if choice not in seen:
+                seen.add(choice)
+                if choice not in of or find(of[choice], seen):
+                    of[choice] = place
+                    return True
+        return False
+
+    for place in range(len(choices)):
+        find(place, set())
+    return {place: choice for choice, place in of.items()}
+
+
+def _refusal(document: Document, said: MachineElement, problem: str, remedy: str) -> UrdfError:
+    return UrdfError(document.file, document.called(TAGS[type(said)], said.name), said.line, problem, remedy)
+
+
+# ------------------------------------------------------------------------------------------------------------------------ the drawing
+
+
+class _Pin(NamedTuple):
+    """A joint or loop about which two bodies can turn: Pinocchio joints of both, its point on each and its axis, None of a ball, in the
+    world as drawn. The points differ where a loop is drawn open."""
+
+    name: str
+    bodies: tuple[int, int]
+    points: tuple[Array, Array]
+    axis: Array | None
+
+    def seen_from(self, body: int) -> Iterator[tuple[Array, int, Array]]:
+        """Its point on a body of its own, the other body and its point there."""
+        for this in (0, 1):
+            if self.bodies[this] == body:
+                yield self.points[this], self.bodies[1 - this], self.points[1 - this]
+
+
+class _Centre(NamedTuple):
+    """A centre of a gear: a point of its axis and the direction of this, in the world as drawn, the pins there, and the points on it by the
+    bodies that hold it."""
+
+    point: Array
+    axis: Array
+    pins: tuple[str, ...]
+    holders: Mapping[int, Array]
+
+
+class _Drawing:
+    """The tree of a linkage as drawn, in world axes."""
+
+    def __init__(self, model: pin.Model, loops: Sequence[LoopJoint]) -> None:
+        self.model, self.places, self.axes = model, drawn_placements(model), axes(model)
+        self.parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
+        self.directions = [self.places[j].rotation @ axis.direction for j, axis in enumerate(self.axes, 1)]
+        self.pins = [
+            _Pin(model.names[j], (self.parents[j - 1] + 1, j), (place.translation, place.translation), self.directions[j - 1])
+            for j, (place, axis) in enumerate(zip(self.places[1:], self.axes, strict=True), 1)
+            if axis.turns
+        ]
+        for loop in loops:
+            one, other = self.places[loop.joint1], self.places[loop.joint2]
+            if loop.type != "fixed":
+                turning = one.rotation @ loop.rotation1[:, 0] if loop.type == "revolute" else None
+                ends = one.act(loop.point1), other.act(loop.point2)
+                self.pins.append(_Pin(loop.name, (loop.joint1, loop.joint2), ends, turning))
+        turning_first = (direction for direction, axis in zip(self.directions, self.axes, strict=True) if axis.turns)
+        self.plane = next(turning_first, np.array([0.0, -1.0, 0.0]))  # the axis of balls, which close loops of a plane
+        points = np.array([point for pin_ in self.pins for point in pin_.points] or [np.zeros(3)])
+        self.near = COINCIDE * (float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0)
+
+    def body(self, link: str) -> int:
+        """Pinocchio joint of the body that a link is of."""
+        return int(self.model.frames[self._frame(link)].parentJoint)
+
+    def place(self, link: str) -> pin.SE3:
+        """Placement of a link in the world."""
+        frame = self.model.frames[self._frame(link)]
+        return self.places[frame.parentJoint] * frame.placement
+
+    def link(self, body: int) -> str:
+        """The first link of a body."""
+        frames = (frame for frame in self.model.frames if frame.type == pin.BODY and frame.parentJoint == body)
+        return next((str(frame.name) for frame in frames if frame.name != "universe"), "the frame")
+
+    def _frame(self, link: str) -> int:
+        return int(self.model.getFrameId(link, pin.BODY))
+
+    def centres(self, link: str, at: Sequence[float] | None = None) -> list[_Centre]:
+        """Where the axis of a gear may be: at the pins of its body, or at a point ``at`` in the frame of its link alone."""
+        body = self.body(link)
+        found: list[_Centre] = []
+        wanted = None if at is None else self.place(link).act(np.array(at))
+        own = [(point, self.plane if pin_.axis is None else pin_.axis, pin_) for pin_ in self.pins for point, *_ in pin_.seen_from(body)]
+        for point, axis, _ in own:
+            known = any(_apart(point, other.point, axis) < self.near and _across(axis, other.axis) < ALIGNED for other in found)
+            if not known and (wanted is None or _apart(point, wanted, axis) < self.near):
+                found.append(self._centre(body, point, axis))
+        if wanted is not None and not found:
+            away, nearest = min(((float(np.linalg.norm(point - wanted)), pin_.name) for point, _, pin_ in own), default=(0.0, ""))
+            near = f"{nearest!r} is {1e3 * away:.4g} mm away" if nearest else "it has none at all"
+            problem = f"no pin of link {link!r} is at the centre {_numbers(at or ())} of its gear: {near}"
+            raise _MeshError(problem, "give the place of one of its pins, in the axes of the link")
+        return found
+
+    def _centre(self, body: int, point: Array, axis: Array) -> _Centre:
+        """The centre of a gear, with all bodies that pins on its axis join to it, one by one."""
+        holders, reached, names = {body: point}, [body], []
+        for this in reached:  # grows as it goes
+            for pin_ in self.pins:
+                for own, other, there in pin_.seen_from(this):
+                    coaxial = pin_.axis is None or _across(pin_.axis, axis) < ALIGNED
+                    if coaxial and _apart(own, holders[this], axis) < self.near:
+                        names.append(pin_.name)
+                        if other not in holders:
+                            holders[other] = there
+                            reached.append(other)
+        return _Centre(point, axis, tuple(dict.fromkeys(names)), holders)
+
+    def turn(self, carrier: int, body: int, axis: Array, what: str) -> dict[int, float]:
+        """Coefficients of joints whose sum is the angle of a body against its carrier, about an axis."""
+        result = {}
+        for joint, sign in joints_between(self.parents, carrier - 1, body - 1).items():
+            if self.axes[joint].turns:
+                if _across(self.directions[joint], axis) > ALIGNED:
+                    name = self.model.names[joint + 1]
+                    problem = f"joint {name!r}, between {what} and the link that carries it, turns about another axis"
+                    raise _MeshError(problem, "let a <joint> hold it on that link, and close the loop elsewhere by <loop_joint>")
+                result[joint] = sign * float(np.sign(self.directions[joint] @ axis))
+        return result
+
+    def way(self, one: int, other: int, axis: Array) -> dict[int, float]:
+        """Coefficients of joints whose sum is the travel of a body against another one, along an axis."""
+        between = joints_between(self.parents, one - 1, other - 1).items()
+        return {j: sign * float(self.directions[j] @ axis) for j, sign in between if not self.axes[j].turns}
+
+
+def _apart(point: Array, other: Array, axis: Array) -> float:
+    """Distance of a point from the line through another one along an axis [m]."""
+    return float(np.linalg.norm(np.cross(point - other, axis)))
+
+
+def _across(axis: Array, other: Array) -> float:
+    """Sine of the angle between two unit vectors."""
+    return float(np.linalg.norm(np.cross(axis, other)))
+
+
+def _numbers(values: Sequence[float] | Array) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
+
+
+def _sum(*parts: tuple[float, Mapping[int, float]]) -> dict[int, float]:
+    """The sum of rows, each with its factor, without zeros."""
+    total: dict[int, float] = {}
+    for by, row in parts:
+        for joint, coefficient in row.items():
+            total[joint] = total.get(joint, 0.0) + by * coefficient
+    return {joint: by for joint, by in total.items() if by}
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ gears
+
+
+class _Shafts(NamedTuple):
+    """The axes of two bodies that mesh, and their carrier: points of both axes on the carrier and the axes, in the world as drawn, and the
+    points on the bodies themselves."""
+
+    carrier: int
+    centres: tuple[Array, Array]
+    axes: tuple[Array, Array]
+    own: tuple[Array, Array]
+
+
+def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequence[list[_Centre]], crossed: bool) -> _Shafts:
+    """The axes of two links, parallel or ``crossed`` at a right angle, that one carrier holds apart; ``named``: the carrier's link."""
+    bodies = tuple(map(drawing.body, links))
+    wanted = drawing.body(named) if named else None
+    if wanted in bodies:
+        raise _MeshError(f"its carrier {named!r} is one of the two itself", "name the link that holds both centres, or leave carrier out")
+    found: dict[int, _Shafts] = {}
+    coaxial, skew = False, 0.0
+    for one in centres[0]:
+        for other in centres[1]:
+            sine = _across(one.axis, other.axis)
+            common = [body for body in one.holders if body in other.holders and body not in bodies and wanted in (None, body)]
+            if common and not (1 - sine < ALIGNED if crossed else sine < ALIGNED):
+                skew = max(skew, sine)
+                continue
+            for body in common:
+                ends = one.holders[body], other.holders[body]
+                if not crossed and _apart(*ends, one.axis) < drawing.near:
+                    coaxial = True
+                    continue
+                found.setdefault(body, _Shafts(body, ends, (one.axis, other.axis), (one.point, other.point)))
+    if len(found) > 1:
+        carriers = " and ".join(repr(drawing.link(body)) for body in found)
+        raise _MeshError(f"links {carriers} hold both centres", f'name the one that is meant, carrier="{drawing.link(next(iter(found)))}"')
+    if found:
+        return next(iter(found.values()))
+    if coaxial:
+        problem = f"the centres of {links[0]!r} and {links[1]!r} are in one point: their distance is 0"
+        raise _MeshError(problem, "write <mimic>, in a table gears:, for a belt, a chain or a coupling, or correct the centre")
+    if crossed and skew < 1 - ALIGNED and skew > 0.0:
+        raise _MeshError("the axes of worm and wheel are not at a right angle", "turn one of them: other worms are not supported")
+    if skew > 0.5:
+        raise _MeshError("the axes of the two gears are not parallel", "a worm is for axes that cross; bevel gears are not supported")
+    if skew:
+        raise _MeshError("the axes of the two gears are not parallel", "write angles in full, 1.5707963267948966 for a quarter turn")
+    held = [_held(drawing, link, of) for link, of in zip(links, centres, strict=True)]
+    holding = f"link {named!r} does not hold both" if named else "no link holds both"
+    problem = f"{held[0]}, {held[1]}: {holding}, so that the teeth would part"
+    raise _MeshError(problem, "let one link carry both axes, or name the gears that mesh")
+
+
+def _held(drawing: _Drawing, link: str, centres: Sequence[_Centre]) -> str:
+    """What carries the axes of a gear, as text."""
+    body = drawing.body(link)
+    if not centres:
+        return f"link {link!r} has no pin about which it turns"
+    carried = (f"{centre.pins[0]!r} by {' and '.join(repr(drawing.link(b)) for b in centre.holders if b != body)}" for centre in centres)
+    return f"the axis of {link!r} is carried at {', '.join(carried)}"
+
+
+def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
+    """Two gears."""
+    links, z1, z2 = (said.gear1, said.gear2), said.teeth1, said.teeth2
+    at = [drawing.centres(said.gear1, said.center1), drawing.centres(said.gear2, said.center2)]
+    carrier, (c1, c2), (axis, _), own = _shafts(drawing, links, said.carrier, at, crossed=False)
+    bodies = drawing.body(said.gear1), drawing.body(said.gear2)
+    between = c2 - c1 - ((c2 - c1) @ axis) * axis
+    distance = float(np.linalg.norm(between))
+    along = between / distance
+    r1 = distance * z1 / (z1 + z2)
+    point = c1 + r1 * along + 0.5 * ((c2 - c1) @ axis) * axis  # in the middle of the teeth, halfway between the two
+    helix, normal, hand = math.radians(said.helix), math.radians(said.pressure_angle), 1.0 if said.hand == "right" else -1.0
+    pressure = math.atan(math.tan(normal) / math.cos(helix))
+    module = 2 * distance * math.cos(helix) / abs(z1 + z2)
+    if said.module:
+        drawn, module = distance, said.module
+        nominal = 0.5 * module * abs(z1 + z2) / math.cos(helix)
+        cosine = nominal * math.cos(pressure) / drawn
+        if cosine >= 1.0 or abs(drawn - nominal) > 2.5 * module:  # profiles are shifted by a module and a quarter at most
+            problem = (
+                f"module {1e3 * module:g} mm makes a centre distance of {1e3 * nominal:.6g} mm, and the axes are {1e3 * drawn:.6g} mm apart"
+            )
+            raise _MeshError(problem, "correct module, teeth or pins; without a module it follows from the pins")
+        pressure, helix = math.acos(cosine), math.atan(math.tan(helix) * drawn / nominal)
+    across = np.cross(axis, along)
+    tangential = -(z1 + z2) / distance * across  # of gear 1 on gear 2 where the multiplier of the row is 1
+    thrust = 0.0 if said.double_helical else -hand * math.copysign(1.0, r1) * math.tan(helix)
+    # Teeth push the external gear of a pair to its own centre.
+    to_external = -math.copysign(1.0, r1) * along if z1 > 0 else math.copysign(1.0, distance - r1) * along
+    size = abs(z1 + z2) / distance
+    push = size * math.tan(pressure) * (-to_external if z1 > 0 else to_external)
+    force = tangential + (tangential @ across) * thrust * axis
+    arm = (1.0 - said.efficiency) * abs(r1 * z2 / (z1 + z2))
+    frame = drawing.places[carrier]
+    rubbing = (Rubbing(*bodies, np.zeros(3), size * (frame.rotation.T @ axis), arm, arm),) if arm else ()
+    row = _sum((z1, drawing.turn(carrier, bodies[0], axis, "gear 1")), (z2, drawing.turn(carrier, bodies[1], axis, "gear 2")))
+    unit = UnitWrench(frame.actInv(point), frame.rotation.T @ force, np.zeros(3), frame.rotation.T @ push)
+    contact = Contact(said.name, "gears", -1, *bodies, carrier, unit, rubbing, round(said.planets))
+    mesh = Gears(
+        *_common(drawing, said.name, "gears", links, carrier, said.carrier, -z1 / z2, point, own, (axis, axis), (c1, c2)),
+        radii=(abs(r1), abs(distance - r1)),
+        teeth=(round(z1), round(z2)),
+        module=module,
+        pressure_angle=pressure,
+        helix=helix,
+        efficiency=said.efficiency,
+        planets=round(said.planets),
+    )
+    return Placed(mesh, row, contact)
+
+
+def _wrong_distance(module: float, nominal: float, drawn: float) -> tuple[str, str]:
+    """The problem of axes that are not as far apart as module and teeth say, and its remedy."""
+    problem = f"module {1e3 * module:.6g} mm makes a centre distance of {1e3 * nominal:.6g} mm, and the axes are {1e3 * drawn:.6g} mm apart"
+    return problem, "correct the module, the teeth or the pins; without a module it follows from the pins"
+
+
+def _common(
+    drawing: _Drawing,
+    name: str,
+    kind: str,
+    links: tuple[str, str],
+    carrier: int,
+    named: str,
+    ratio: float,
+    point: Array,
+    own: tuple[Array, Array],
+    directions: tuple[Array, Array],
+    held: tuple[Array, Array],
+) -> tuple[str, str, tuple[str, str], str, float, Array, Array, Array, Array]:
+    """The first attributes of a `Mesh`, from points and directions in the world; ``named``: the carrier's link, if it has a name."""
+    link = named or drawing.link(carrier)
+    frames = [drawing.place(each) for each in links]
+    centres = np.array([frame.actInv(each) for frame, each in zip(frames, own, strict=True)])
+    axes = np.array([frame.rotation.T @ each for frame, each in zip(frames, directions, strict=True)])
+    return name, kind, links, link, float(ratio), drawing.place(link).actInv(point), centres, axes, np.array(held)
+
+
+def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) -> Iterator[Placed]:
+    """The elements, each mesh of a planet with the number of planets that stands at the planet's other mesh."""
+    for k, (said, each) in enumerate(zip(elements, places, strict=True)):
+        if isinstance(each.mesh, Gears):
+            stage = [its.mesh for j, its in enumerate(places) if j == k or _on_one_planet(each.mesh, its.mesh)]
+            planets = max(mesh.planets for mesh in stage if isinstance(mesh, Gears))
+            if each.mesh.planets not in (1, planets):
+                raise _UnfitError(
+                    said, f"planets is {each.mesh.planets}, and {planets} at the planet's other mesh", "write the same number in both"
+                )
+            each = each._replace(mesh=replace(each.mesh, planets=planets), contact=replace(each.contact, shares=planets))
+        yield each
+
+
+def _on_one_planet(mesh: Mesh, other: Mesh) -> bool:
+    """Whether two pairs of gears share one, about the axis of whose carrier the two others are."""
+    shared = set(mesh.links) & set(other.links)
+    if mesh is other or len(shared) != 1 or mesh.carrier != other.carrier or not (isinstance(mesh, Gears) and isinstance(other, Gears)):
+        return False
+    (planet,) = shared
+    ends = [each.held[1 - each.links.index(planet)] for each in (mesh, other)]
+    return bool(np.linalg.norm(ends[0] - ends[1]) < 1e-3 * sum(mesh.radii))
+
+
+def _refuse_unfit_teeth(elements: Sequence[MachineElement], meshes: Sequence[Mesh]) -> None:
+    """Raise a fault of a gear that has two modules, or of planets that do not fit."""
+    gears = [(said, mesh) for said, mesh in zip(elements, meshes, strict=True) if isinstance(said, GearMesh) and isinstance(mesh, Gears)]
+    for k, (said, mesh) in enumerate(gears):
+        for other, its in gears[:k]:
+            for shared in set(mesh.links) & set(its.links):
+                i, j = mesh.links.index(shared), its.links.index(shared)
+                same = mesh.teeth[i] == its.teeth[j] and bool(said.module) == bool(other.module)
+                if same and abs(mesh.module - its.module) > 1e-6 * its.module:
+                    problem = f"gear {shared!r} has module {1e3 * mesh.module:.6g} mm, in gear mesh {its.name!r} {1e3 * its.module:.6g} mm"
+                    raise _UnfitError(said, problem, "correct teeth or centre distance: one gear has one module")
+                ring, sun = sorted((mesh.teeth[1 - i], its.teeth[1 - j]))
+                if same and ring < 0 < sun and _on_one_planet(mesh, its) and (sun - ring) % mesh.planets:
+                    problem = f"{mesh.planets} planets do not fit between sun and ring: ({sun} + {-ring})/{mesh.planets} is not whole"
+                    raise _UnfitError(said, problem, "change teeth or planets")
+
+
+# ------------------------------------------------------------------------------------------------------------- racks, screws, worms
+
+
+def _rack(said: Rack, drawing: _Drawing) -> Placed:
+    """A pinion and its rack."""
+    links = said.pinion, said.rack
+    bodies = pinion, rack = drawing.body(said.pinion), drawing.body(said.rack)
+    wanted = drawing.body(said.carrier) if said.carrier else None
+    guides = {}  # joints in v that guide the rack, by the bodies on which they do
+    for joint, moving in enumerate(drawing.axes):
+        ends = drawing.parents[joint] + 1, joint + 1
+        if not moving.turns and rack in ends:
+            guides[ends[1 - ends.index(rack)]] = joint
+    centres = drawing.centres(said.pinion)
+    found = [
+        (centre, body) for centre in centres for body in centre.holders if body in guides and body != pinion and wanted in (None, body)
+    ]
+    if not found:
+        on = " and ".join(repr(drawing.link(body)) for body in guides) or "no link"
+        problem = f"{_held(drawing, said.pinion, centres)}, and {said.rack!r} is guided on {on}: no link does both"
+        raise _MeshError(problem, "let one link carry the pinion and guide the rack by a prismatic joint")
+    (centre, carrier), *_ = found
+    axis, middle, guide = centre.axis, centre.holders[carrier], drawing.directions[guides[carrier]]
+    if abs(axis @ guide) > ALIGNED:
+        raise _MeshError("the rack is not guided across the pinion's axis", "turn the axis of its guide, or that of the pinion")
+    helix, hand = math.radians(said.helix), 1.0 if said.hand == "right" else -1.0
+    radius = said.radius or 0.5 * said.module * said.teeth / math.cos(helix)
+    # The viewer sees x to the right and z up, or what is left of them: the pinion's axis points towards him.
+    towards = axis * np.array([1.0, -1.0, 1.0])
+    viewer = axis * np.sign(towards[np.argmax(np.abs(towards))])
+    left = np.cross(viewer, guide)
+    side = said.side
+    if not side:
+        points = [drawing.place(said.rack).translation, *(point for pin_ in drawing.pins for point, _, _ in pin_.seen_from(rack))]
+        off = next((off for point in points if abs(off := float((middle - point) @ left)) > drawing.near), 0.0)
+        if not off:
+            raise _MeshError("the drawing does not say on which side of the rack the pinion lies", 'write side="left" or side="right"')
+        side = "left" if off > 0.0 else "right"
+    outward = -left if side == "left" else left  # from the pinion to the rack
+    way = float(np.cross(axis, outward) @ guide)  # 1: the rack goes along its guide where the pinion turns positively about its axis
+    point = middle + radius * outward
+    pressure = math.atan(math.tan(math.radians(said.pressure_angle)) / math.cos(helix))
+    force = guide - hand * way * math.tan(helix) * axis
+    frame = drawing.places[carrier]
+    in_frame = frame.rotation.T
+    arm = (1.0 - said.efficiency) * radius
+    rubbing = (Rubbing(pinion, rack, np.zeros(3), in_frame @ axis, arm, arm),) if arm else ()
+    row = _sum((1.0, drawing.way(carrier, rack, guide)), (-way * radius, drawing.turn(carrier, pinion, axis, "the pinion")))
+    unit = UnitWrench(frame.actInv(point), frame.rotation.T @ force, np.zeros(3), frame.rotation.T @ (math.tan(pressure) * outward))
+    shown = _common(
+        drawing, said.name, "rack", links, carrier, said.carrier, way * radius, point, (centre.point, point), (axis, guide), (middle, point)
+    )
+    mesh = RackAndPinion(*shown, (radius,), side, pressure, helix, said.efficiency)
+    return Placed(mesh, row, Contact(said.name, "rack", -1, *bodies, carrier, unit, rubbing))
+
+
+def _screw(said: Screw, drawing: _Drawing) -> Placed:
+    """A screw and its nut."""
+    links = said.screw, said.nut
+    bodies = screw, nut = drawing.body(said.screw), drawing.body(said.nut)
+    between = joints_between(drawing.parents, screw - 1, nut - 1)
+    turning = [joint for joint in between if drawing.axes[joint].turns]
+    sliding = [joint for joint in between if not drawing.axes[joint].turns]
+    if len(turning) != 1 or len(sliding) != 1:
+        problem = f"between screw and nut are {len(turning)} joints that turn and {len(sliding)} that slide"
+        raise _MeshError(
+            problem, "let one of the two turn in a <joint> and the other one, or its carrier, slide in one along the same axis"
+        )
+    joint = turning[0]
+    axis, way = drawing.directions[joint], drawing.directions[sliding[0]]
+    if _across(axis, way) > ALIGNED:
+        raise _MeshError(
+            "the nut is not guided along the axis of the screw", "turn the axis of its guide, or of the screw; a pinion has a <rack>"
+        )
+    per_radian = said.lead / (2 * math.pi) * (1.0 if said.hand == "right" else -1.0)
+    ends = drawing.parents[joint] + 1, joint + 1
+    turns = screw if screw in ends else nut
+    holder = ends[1 - ends.index(turns)] if turns in ends else ends[0]
+    carrier = _apex(drawing.parents, screw, nut)
+    frame, origin = drawing.places[carrier], drawing.places[joint + 1].translation
+    point = origin + ((drawing.place(said.nut).translation - origin) @ axis) * axis
+    inward = frame.rotation.T @ axis
+    driving = math.copysign(1.0, per_radian) * inward  # so that a positive effort at a positive speed is the screw that drives
+    lead, rho = _thread(said)
+    forward, backward = math.tan(lead + rho), math.tan(lead - rho)
+    half = 0.5 * said.diameter
+    rubbing = []
+    if said.friction:
+        rubbing.append(Rubbing(screw, nut, np.zeros(3), driving, half * (forward - math.tan(lead)), half * (math.tan(lead) - backward)))
+    if said.collar_friction:
+        arm = 0.5 * said.collar_friction * said.collar_diameter
+        rubbing.append(Rubbing(turns, holder, np.zeros(3), inward, arm, arm))
+    angle = {joint: between[joint]}
+    row = _sum((1.0, drawing.way(screw, nut, axis)), (-per_radian, angle))
+    unit = UnitWrench(frame.actInv(point), inward, -per_radian * inward, np.zeros(3))
+    shown = _common(drawing, said.name, "screw", links, carrier, "", -per_radian, point, (origin, point), (axis, axis), (origin, point))
+    efficiency, back = (math.tan(lead) / forward, backward / math.tan(lead)) if said.friction else (1.0, 1.0)
+    mesh = ScrewAndNut(*shown, (), said.lead, lead, rho, efficiency, back)
+    return Placed(mesh, row, Contact(said.name, "screw", -1, *bodies, carrier, unit, tuple(rubbing)))
+
+
+def _thread(said: Screw) -> tuple[float, float]:
+    """Lead angle at the mean diameter and angle of friction of a thread [rad]."""
+    lead = math.atan2(said.lead, math.pi * said.diameter)
+    flank = math.atan(math.tan(math.radians(said.flank)) * math.cos(lead))  # in the section across the thread
+    return lead, math.atan(said.friction / math.cos(flank))
+
+
+def _apex(parents: Sequence[int], one: int, other: int) -> int:
+    """The body that carries two others, which may be one of them."""
+    above = {0}
+    while one:
+        above.add(one)
+        one = parents[one - 1] + 1
+    while other not in above:
+        other = parents[other - 1] + 1
+    return other
+
+
+def _worm(said: Worm, drawing: _Drawing) -> Placed:
+    """A worm and its wheel."""
+    links = said.worm, said.wheel
+    bodies = drawing.body(said.worm), drawing.body(said.wheel)
+    at = [drawing.centres(link) for link in links]
+    carrier, (c1, c2), (axis1, axis2), own = _shafts(drawing, links, said.carrier, at, crossed=True)
+    along = np.cross(axis1, axis2)
+    along *= math.copysign(1.0, (c2 - c1) @ along)
+    distance = float((c2 - c1) @ along)
+    if distance < drawing.near:
+        raise _MeshError("the axes of worm and wheel meet: their distance is 0", "draw them apart; bevel gears are not supported")
+    z1, z2 = said.starts, said.teeth
+    module = said.module or 2 * distance / (said.quotient + z2)
+    r2 = 0.5 * module * z2
+    r1 = distance - r2
+    if not r1 > 0.0 or (said.quotient and abs(r1 - 0.5 * module * said.quotient) > module):  # profiles are shifted by a module at most
+        nominal = 0.5 * module * (said.quotient + z2)
+        raise _MeshError(*_wrong_distance(module, nominal, distance))
+    lead = math.atan(0.5 * module * z1 / r1)
+    # The pitch point is where both axes are nearest to each other.
+    point = c1 + ((c2 - c1) @ axis1) * axis1 + r1 * along
+    hand = 1.0 if said.hand == "right" else -1.0
+    wheel = math.copysign(1.0, np.cross(axis2, -along) @ axis1)  # 1: the wheel's teeth go along the worm's axis as it turns positively
+    around = np.cross(axis1, along)  # the way of the worm's teeth
+    normal = math.radians(said.pressure_angle)
+    by_wheel = z2 / r2  # force along the worm's axis by the multiplier of the row
+
+    def across(friction: float) -> tuple[float, float]:
+        """Forces around the worm and apart by that along its axis; friction is negative where the wheel drives."""
+        d = math.cos(normal) * math.cos(lead) - friction * math.sin(lead)
+        return (math.cos(normal) * math.sin(lead) + friction * math.cos(lead)) / d, math.sin(normal) / d
+
+    (forward, push), (backward, push_back) = across(said.friction), across(-said.friction)
+    frame, ideal = drawing.places[carrier], math.tan(lead)
+    in_frame = frame.rotation.T
+    force = by_wheel * (axis1 - hand * ideal * around)
+    rubbing: tuple[Rubbing, ...] = ()
+    if said.friction:
+        shares = forward - ideal, ideal - backward
+        driving = hand * by_wheel * (in_frame @ around)  # so that a positive effort at a positive speed is the worm that drives
+        rubbing = (Rubbing(*bodies, driving, np.zeros(3), *shares, by_wheel * push_back * (in_frame @ along)),)
+    row = _sum(
+        (hand * z1, drawing.turn(carrier, bodies[0], axis1, "the worm")), (wheel * z2, drawing.turn(carrier, bodies[1], axis2, "the wheel"))
+    )
+    unit = UnitWrench(frame.actInv(point), in_frame @ force, np.zeros(3), by_wheel * push * (in_frame @ along))
+    shown = _common(drawing, said.name, "worm", links, carrier, said.carrier, -hand * wheel * z1 / z2, point, own, (axis1, axis2), (c1, c2))
+    mesh = WormAndWheel(*shown, (r1, r2), round(z1), round(z2), module, lead, ideal / forward, backward / ideal)
+    return Placed(mesh, row, Contact(said.name, "worm", -1, *bodies, carrier, unit, rubbing))
+
+
+_PLACES: dict[type[MachineElement], Callable[..., Placed]] = {GearMesh: _gears, Rack: _rack, Screw: _screw, Worm: _worm}
