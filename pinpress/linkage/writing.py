@@ -236,8 +236,9 @@ def _structure(press: Linkage) -> dict[str, object]:
         "joint types": [(joint.shortname()[:11], joint.nq) for joint in model.joints],  # JointModelR, JointModelP; not which axis
         "links": [(link, model.frames[model.getFrameId(link, pin.BODY)].parentJoint) for link in links],
         "loops": [(loop.name, loop.joint1, loop.joint2) for loop in press.loops],
-        "gear pairs": [(pair.name, pair.follower) for pair in press.couplings],
-        "relations": [(relation.name, tuple(relation.coefficients)) for relation in _longer(press)],
+        "gear pairs": [(relation.name, relation.joint) for relation in _written(press) if relation.is_pair],
+        "relations": [(relation.name, tuple(relation.coefficients)) for relation in _written(press) if not relation.is_pair],
+        "machine elements": [relation.name for relation in press.relations if relation.name in _of_elements(press)],
     }
 
 
@@ -276,15 +277,29 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
     for name in ("armature", *POSITION_LIMITS.values(), *LIMITS.values(), *DYNAMICS.values(), *without_element):
         yield name, getattr(model, name), 0.0
     yield "loop types", np.array([loop.type for loop in press.loops]), 0.0
-    yield "gear pairs", np.array([(pair.leader, pair.multiplier, pair.offset) for pair in press.couplings]), 0.0
-    yield "relations", np.array([value for each in _longer(press) for value in (*each.coefficients.values(), each.offset)]), 0.0
+    pairs = [Coupling.of(relation) for relation in _written(press) if relation.is_pair]
+    yield "gear pairs", np.array([(pair.leader, pair.multiplier, pair.offset) for pair in pairs]), 0.0
+    longer = [relation for relation in _written(press) if not relation.is_pair]
+    yield "relations", np.array([value for each in longer for value in (*each.coefficients.values(), each.offset)]), 0.0
+    yield "teeth and threads", np.array([_row(each, model.nv) for each in press.relations if each.name in _of_elements(press)]), 1.0
     yield "drivers", np.array(press.motors), 0.0
     yield "name", np.array(press.name), 0.0
 
 
-def _longer(press: Linkage) -> list[Relation]:
-    """The relations between more or fewer than two joints."""
-    return [relation for relation in press.relations if not relation.is_pair]
+def _of_elements(press: Linkage) -> set[str]:
+    """Names of the machine elements of a linkage, whose relations follow from the drawing."""
+    return {said.name for said in press.document.description.machine_elements}
+
+
+def _written(press: Linkage) -> list[Relation]:
+    """The relations whose numbers stand in the text: those of ``<mimic>``, then those of ``<relation>``."""
+    return [relation for relation in press.relations if relation.name not in _of_elements(press)]
+
+
+def _row(relation: Relation, width: int) -> list[float]:
+    """Coefficients and offset of a relation, whichever joint it determines."""
+    by = relation.coefficients[min(relation.coefficients)]
+    return [relation.coefficients.get(joint, 0.0) / by for joint in range(width)] + [relation.offset / by]
 
 
 # Arrays of the model, by the attributes that they are read from.
@@ -309,12 +324,13 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
             _edit_joint(text, element, j, old_model, new_model, *movable[j])
     mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
     count = len(mimics)
-    for mimic, *pairs in zip(mimics, before.relations[:count], now.relations[:count], strict=True):
+    was_related, related = _written(before), _written(now)
+    for mimic, *pairs in zip(mimics, was_related[:count], related[:count], strict=True):
         old, pair = map(Coupling.of, pairs)
         text.set(mimic, _attributes_of_changes({"multiplier": (old.multiplier, pair.multiplier), "offset": (old.offset, pair.offset)}))
         if pair.leader != old.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
-    for element, was, relation in zip(text.robot.all("relation"), before.relations[count:], now.relations[count:], strict=True):
+    for element, was, relation in zip(text.robot.all("relation"), was_related[count:], related[count:], strict=True):
         if (relation.coefficients, relation.offset) != (was.coefficients, was.offset):
             text.set(element, {"offset": as_text([relation.offset])})
             for term, (place, coefficient) in zip(element.all("joint"), relation.coefficients.items(), strict=True):

@@ -16,10 +16,10 @@ import numpy as np
 
 from ...common.arguments import LARGEST
 from ...common.errors import UrdfError, odd_character, suggestion
-from ..description import DEEPEST_JOINTS, MOST, Description, Joint, has_mass, names
+from ..description import DEEPEST_JOINTS, MACHINE_ELEMENTS, MOST, Description, Joint, has_mass, names
 from ..document import Document, Finding
 from ..element import Element
-from . import grammar
+from . import grammar, machine_elements
 from .grammar import Problem, warning
 
 
@@ -41,6 +41,7 @@ def errors(document: Document) -> list[Finding]:
             _mimic_problems(robot, description),
             _spring_problems(robot, description),
             _relation_problems(robot, description),
+            machine_elements.problems(robot, description),
             _transmission_problems(robot, description),
             _home_problems(robot, description),
             _tree_problems(robot, description),
@@ -63,16 +64,19 @@ def _robot_problems(robot: Element) -> Iterator[Problem]:
 
 def _name_problems(robot: Element) -> Iterator[Problem]:
     joints = set(names(robot, "joint"))
-    for tag in ("link", "joint", "loop_joint", "relation", "material"):
+    bearings = joints | set(names(robot, "loop_joint"))
+    for tags in ("link",), ("joint",), ("loop_joint",), ("relation",), tuple(MACHINE_ELEMENTS), ("material",):
         first: dict[str, Element] = {}
-        for element in robot.all(tag):
+        for element in robot.all(*tags):
+            tag = element.tag
             name = element.get("name")
             if not name and tag != "material":
                 yield element, "has no name", f'write <{tag} name="...">'
             elif name in first:
-                yield element, f"the name is already that of the <{tag}> on line {first[name].line}", f"give each <{tag}> its own name"
-            elif tag == "loop_joint" and name in joints:
-                yield element, "the name is already that of a <joint>", "give each bearing, joint or loop, its own name"
+                yield element, f"the name is already that of the <{first[name].tag}> on line {first[name].line}", "give each its own name"
+            elif (tag == "loop_joint" and name in joints) or (tag in MACHINE_ELEMENTS and name in bearings):
+                other = "joint" if name in joints else "loop_joint"
+                yield element, f"the name is already that of a <{other}>", "give all that transmit forces names of their own"
             elif tag == "joint" and name == "universe":
                 yield element, "the name 'universe' is Pinocchio's own, for the world", "give the joint another name"
             elif odd := odd_character(name, with_control=False):

@@ -1,0 +1,121 @@
+"""Problems of gears, racks, screws and worms that their elements show without the drawing."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+
+from ...common.errors import suggestion
+from ..description import Description, GearMesh, MachineElement, Rack, Screw, Worm
+from ..element import Element
+from .grammar import Problem
+
+MM = {"module": 0.2, "radius": 2.0, "diameter": 5.0, "collar_diameter": 5.0, "lead": 1.0}
+"""Lengths that no press has [m]: they are in millimetres."""
+STEEPEST = {"pressure_angle": 45.0, "helix": 60.0, "flank": 60.0}  # [deg]
+
+
+def problems(robot: Element, description: Description) -> Iterator[Problem]:
+    """Problems of all such elements, of each by itself and of two for the same links."""
+    elements = {said.line: said for said in description.machine_elements}
+    meshing: dict[frozenset[str], str] = {}
+    for element in robot.children:
+        said = elements.get(element.line)
+        if said is None or element.tag not in _LINKS:
+            continue
+        links = tuple(element.get(name) for name in _LINKS[element.tag])
+        yield from _link_problems(element, said, links, description)
+        yield from ((element, *problem) for problem in _number_problems(element, said))
+        yield from ((element, *problem) for problem in itertools.chain(_word_problems(element), _PROBLEMS[type(said)](said)))
+        bodies = frozenset(description.bodies.get(link, link) for link in links)
+        if bodies in meshing:
+            yield element, f"{links[0]!r} and {links[1]!r} mesh already, in {meshing[bodies]!r}", "remove one of the two"
+        meshing.setdefault(bodies, element.get("name"))
+
+
+_LINKS = {"gear_mesh": ("gear1", "gear2"), "rack": ("pinion", "rack"), "screw": ("screw", "nut"), "worm": ("worm", "wheel")}
+
+
+def _link_problems(element: Element, said: MachineElement, links: tuple[str, ...], description: Description) -> Iterator[Problem]:
+    carrier = element.get("carrier")
+    for link in (*links, *([carrier] if carrier else [])):
+        if link and link not in description.links:
+            yield element, f"no link {link!r}{suggestion(link, description.links)}", "name a link of this press"
+    bodies = [description.bodies.get(link) for link in links]
+    if links[0] and links[0] == links[1]:
+        yield element, f"both are link {links[0]!r}", "name two links"
+    elif bodies[0] is not None and bodies[0] == bodies[1]:
+        yield element, f"{links[0]!r} and {links[1]!r} are one body, welded together", "name two links that move against each other"
+    if carrier and description.bodies.get(carrier, "") in bodies:
+        problem = f"its carrier {carrier!r} is one of the two itself, or welded to it"
+        yield element, problem, "name the link that holds both centres, or leave carrier out"
+
+
+def _number_problems(element: Element, said: MachineElement) -> Iterator[tuple[str, str]]:
+    for name, most in MM.items():
+        value = element.number(name, 0.0)
+        if value < 0.0:
+            yield f"{name} is {value:g}", "write a length above 0"
+        elif value >= most:
+            turn = " a turn" if name == "lead" else ""
+            yield f"{name} is {value:g} m{turn}", f"a URDF has metres: {value / 1e3:g} for {value:g} mm"
+    for name, most in STEEPEST.items():
+        angle = element.number(name, 0.0)
+        if 0.0 < angle < 1.0:
+            yield f"{name} is {angle:g} deg, as if in radians", f"write degrees: {angle * 57.29577951308232:.6g}"
+        elif not 0.0 <= angle < most:
+            yield f"{name} is {angle:g} deg", f"write degrees, from 0 to {most:g}; hand says the sense of a helix or thread"
+    if not 0.0 < element.number("efficiency", 1.0) <= 1.0:
+        yield f"efficiency is {element.number('efficiency', 1.0):g}", "write a share above 0, up to 1, such as 0.985"
+    for name in ("friction", "collar_friction"):
+        if not 0.0 <= element.number(name, 0.0) < 1.0:
+            yield f"{name} is {element.number(name, 0.0):g}", "write a coefficient of friction from 0, such as 0.06"
+    for name in ("teeth1", "teeth2", "teeth", "starts", "planets"):
+        count = element.number(name, 1.0)
+        if count != round(count) or count == 0.0:
+            yield f"{_COUNTED.get(name, name)} is {count:g}", "write a whole number, and not 0"
+        elif count < 0.0 and name not in _COUNTED:
+            yield f"{name} is {count:g}", "write a number above 0"
+
+
+_COUNTED = {"teeth1": "teeth of the first gear", "teeth2": "teeth of the second gear"}
+
+
+def _word_problems(element: Element) -> Iterator[tuple[str, str]]:
+    for name, words in (("hand", ("right", "left")), ("side", ("left", "right")), ("double_helical", ("true", "false"))):
+        word = element.get(name)
+        if word and word not in words:
+            yield f"{name} is {word!r}{suggestion(word, words)}", f"write {name}: {' or '.join(words)}"
+
+
+def _gears(said: GearMesh) -> Iterator[tuple[str, str]]:
+    if said.teeth1 < 0 and said.teeth2 < 0:
+        yield "both gears are internal, with teeth below zero", "write one of the two numbers of teeth above zero"
+    elif said.teeth1 * said.teeth2 < 0 and (ring := -min(said.teeth1, said.teeth2)) <= max(said.teeth1, said.teeth2):
+        pinion = max(said.teeth1, said.teeth2)
+        yield f"the internal gear has {ring:g} teeth, and the pinion in it {pinion:g}", "give the internal gear more teeth than its pinion"
+
+
+def _rack(said: Rack) -> Iterator[tuple[str, str]]:
+    by_module = bool(said.module and said.teeth)
+    if bool(said.radius) == by_module or (said.radius and (said.module or said.teeth)):
+        yield "its pinion has no radius" if not said.radius else "the radius stands there twice", "give a radius, or else module and teeth"
+
+
+def _screw(said: Screw) -> Iterator[tuple[str, str]]:
+    if not said.lead:
+        yield "its lead is 0", "write the travel in one turn"
+    if said.friction and not said.diameter:
+        yield "it has friction and no diameter", "give the mean diameter of the thread"
+    if said.collar_friction and not said.collar_diameter:
+        yield "its collar has friction and no diameter", "give collar_diameter, the mean diameter of the collar"
+
+
+def _worm(said: Worm) -> Iterator[tuple[str, str]]:
+    if not said.module and not said.quotient:
+        yield "neither its module nor its quotient is given", "give quotient, the pitch diameter of the worm by the module, or module"
+    if said.quotient < 0.0:
+        yield f"quotient is {said.quotient:g}", "write the pitch diameter of the worm by the module, such as 10"
+
+
+_PROBLEMS: dict[type, Callable[..., Iterator[tuple[str, str]]]] = {GearMesh: _gears, Rack: _rack, Screw: _screw, Worm: _worm}
