@@ -304,10 +304,10 @@ def _find_gears(equations: Equations) -> tuple[Gear, ...] | None:
     turning = {plane.driver: (1.0, 0.0)}  # by joint its angle: a ratio to that of the driver, and an offset
     gears = []
     for block in equations.blocks:
-        if block.loops:
-            if block.relations:
-                return None
+        if block.loops and not block.relations:
             continue
+        if block.loops or len(block.joints) != 1 or block.redundant:
+            return None
         (relation,), (joint,) = block.relations, block.joints
         others = dict(plane.relation_rows[relation])
         by_joint = others.pop(joint)

@@ -26,7 +26,7 @@ class Drawing:
         self.name, self.world, self.frame = name, np.asarray(world), frame
         self.placed = {frame: (np.eye(3), np.zeros(3))}  # link -> rotation and origin of its frame in the world
         self.bodies: dict[str, Any] = {frame: None}
-        self.joints, self.loops, self.welds = [], [], []
+        self.joints, self.loops, self.elements = [], [], []
 
     def space(self, at, height=0.0):
         """World position (3,) of a point of the plane."""
@@ -56,6 +56,11 @@ class Drawing:
             ends.append((link, rotation.T @ (self.space(at, height) - origin)))
         self.loops.append((name, ends))
 
+    def relation(self, name, **coefficients):
+        """Let the sum of coefficient x coordinate be zero over joints; the first is the one that it determines."""
+        joints = "".join(f'<joint name="{joint}" coefficient="{by!r}"/>' for joint, by in coefficients.items())
+        self.elements.append(f'  <relation name="{name}">{joints}</relation>')
+
     def body(self, link, mass, centre, height=0.0, tensor=None):
         """Give a link its inertia; ``tensor`` (3, 3), by default a ball of radius of gyration 0.1."""
         self.bodies[link] = (mass, centre, height, mass * 0.01 * np.eye(3) if tensor is None else np.asarray(tensor))
@@ -79,7 +84,7 @@ class Drawing:
                 f'  <loop_joint name="{name}" type="spherical"><link1 link="{link1}" xyz="{_text(xyz1)}"/>'
                 f'<link2 link="{link2}" xyz="{_text(xyz2)}"/></loop_joint>'
             )
-        lines.append(f'  <transmission name="drive"><joint name="{driver}"/></transmission>')
+        lines += [*self.elements, f'  <transmission name="drive"><joint name="{driver}"/></transmission>']
         return "\n".join([*lines, "</robot>", ""])
 
     def _inertial(self, link, mass, centre, height, tensor):

@@ -149,6 +149,47 @@ def screw_or_rack(random: Random) -> tuple[str, Any]:
     )
 
 
+def planetary(random: Random) -> tuple[str, Any]:
+    """A slide whose rod hangs on the carrier or on the planet of a planetary stage, which its sun or its carrier drives."""
+    sun, planet = ((20, 20), (40, 20), (20, 40), (20, 30), (30, 15))[int(random.integers(5))]
+    radius = random.uniform(0.1, 0.3)
+    centre = radius * np.exp(1j * random.uniform(0, 6.28))
+    on_planet = random.random() < 0.5
+    pin = centre * random.uniform(0.5, 1.2) + on_planet * radius * 0.3 * np.exp(1j * random.uniform(0, 6.28))
+    wrist = complex(random.uniform(-0.2, 0.2) * radius, -random.uniform(3, 6) * radius)
+    drawing = random_linkages.Drawing("planetary")
+    drawing.joint("S", "frame", "sun", 0j)
+    drawing.joint("C", "frame", "carrier", 0j)
+    drawing.joint("P", "carrier", "planet", centre)
+    drawing.joint("B", "planet" if on_planet else "carrier", "rod", pin)
+    drawing.joint("G", "frame", "slide", wrist, along=1j)
+    drawing.loop("W", "rod", "slide", wrist)
+    drawing.relation("outer", C=sun + 2.0 * planet, P=float(planet))
+    drawing.relation("inner", P=float(planet), S=float(sun), C=-float(sun))
+    for link, at in (("sun", 0j), ("carrier", 0.4 * centre), ("planet", centre), ("rod", 0.5 * (pin + wrist)), ("slide", wrist)):
+        drawing.body(link, 10 ** random.uniform(0.5, 2), at + 0.1 * radius * complex(*random.normal(size=2)))
+    return "planetary", texts.load(drawing.urdf(str(random.choice(["S", "C"]))), slide="slide")
+
+
+def lever_gear(random: Random) -> tuple[str, Any]:
+    """A crank that a wheel on the frame turns by a gear that is fixed to the rod: teeth between two bodies on a moving carrier."""
+    teeth, geared = int(random.choice([-120, -60, 20, 40, 60])), int(random.choice([20, 30, 40]))
+    crank = random.uniform(0.05, 0.2) * np.exp(1j * random.uniform(0, 6.28))
+    wrist = complex(random.uniform(3, 6) * abs(crank), random.uniform(-0.3, 0.3) * abs(crank))
+    drawing = random_linkages.Drawing("lever_gear")
+    drawing.joint("A", "frame", "crank", 0j)
+    drawing.joint("A1", "frame", "wheel", 0j)
+    drawing.joint("B", "crank", "rod", crank)
+    drawing.joint("G", "frame", "slide", wrist, along=1.0 + 0j)
+    drawing.loop("W", "rod", "slide", wrist)
+    drawing.relation("teeth", B=float(geared), A1=float(teeth), A=-float(teeth))
+    for link, at in (("crank", 0.5 * crank), ("wheel", 0j), ("rod", 0.5 * (crank + wrist)), ("slide", wrist)):
+        drawing.body(link, 10 ** random.uniform(0.5, 2), at + 0.1 * abs(crank) * complex(*random.normal(size=2)))
+    return "lever_gear", texts.load(drawing.urdf("A1"), slide="slide")
+
+
+MACHINES = (screw_or_rack, planetary, lever_gear)
+"""Presses with machine elements."""
 PRESSES = {shipped: 6, of_template: 4, crank_slide: 5, four_bar: 3, random_linkage: 2, in_space: 1, sliding_driver: 1, screw_or_rack: 1}
 """How often each is drawn."""
 
@@ -291,6 +332,13 @@ def scene(seed: int) -> Scene:
     """Of one run; some have a clutch or brake."""
     random = np.random.default_rng([1, seed])
     name, made = press(random)
+    return Scene(seed, name, made, *_played(random, made))
+
+
+def machine(seed: int) -> Scene:
+    """Of one run of a press with machine elements."""
+    random = np.random.default_rng([8, seed])
+    name, made = MACHINES[int(random.integers(len(MACHINES)))](random)
     return Scene(seed, name, made, *_played(random, made))
 
 

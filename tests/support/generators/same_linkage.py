@@ -91,6 +91,9 @@ def turned_round(press: Any, random: Any) -> Same:
     for mimic in root.iter("mimic"):
         if mimic.get("joint") == press.driver:
             mimic.set("multiplier", repr(-float(mimic.get("multiplier", "1"))))
+    for joint in root.iterfind("relation/joint"):
+        if joint.get("name") == press.driver:
+            joint.set("coefficient", repr(-float(joint.get("coefficient", "1"))))
     return Same(_written(root, press.model.gravity.linear, press.slide), sense=-1.0)
 
 
