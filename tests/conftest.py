@@ -40,10 +40,13 @@ os.environ.update(ONE_THREAD)
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Modules that need a browser come first: one worker gets all of them, else each would start a browser and load the pages."""
+    """Modules that need a browser come first, then those with one of each result: one worker gets all of them.
+
+    Else each would start a browser, load the pages and compute the results.
+    """
     sample(items)
     in_browser = {item.path for item in items if "browser" in getattr(item, "fixturenames", ())}
-    items.sort(key=lambda item: item.path not in in_browser)
+    items.sort(key=lambda item: (item.path not in in_browser, not hasattr(getattr(item, "module", None), "every_result")))
 
 
 def pytest_collection_finish() -> None:

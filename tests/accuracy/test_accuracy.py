@@ -65,6 +65,7 @@ def test_all_groups_are_measured(measured, told):
     assert told[-1] == pytest.approx(1.0)
 
 
+@pytest.mark.exhaustive
 def test_references_are_certified(measured):
     """Two independent methods each: the engines, constraint and reduced dynamics."""
     bounds = {INVERSE_DYNAMICS: 1e-13, FREE_RUN: 1e-11}  # three times and more what is reached

@@ -102,6 +102,7 @@ def test_the_text_says_what_the_balance_has() -> None:
         assert limit == (["1000.0"] if found.criterion == X else [])
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "limits", "unit"),
     [

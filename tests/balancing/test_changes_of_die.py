@@ -119,7 +119,7 @@ def least(convex):
     return min(values)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     "region",
     [

@@ -55,6 +55,7 @@ def test_a_template_in_place_of_a_file_says_how_to_make_one(folder, capsys, word
         pp.build("rssp")
 
 
+@pytest.mark.exhaustive
 def test_the_slide_of_a_table_is_named(folder, capsys):
     assert main(["new", "press.yaml", "--template", "crank-slide"]) == 0
     text = (folder / "press.yaml").read_text(encoding="utf-8").replace("slide:", "ram:")

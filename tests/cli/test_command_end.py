@@ -46,7 +46,7 @@ def test_output_that_nobody_reads(unbuffered):
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_files_are_written_for_nobody_too(tmp_path, unbuffered):
     """`pinpress analyse ... --out out | head -1`: the files are still wanted."""

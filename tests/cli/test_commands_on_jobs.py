@@ -130,6 +130,7 @@ def test_numbers_of_a_bare_press(capsys: pytest.CaptureFixture[str]) -> None:
     assert row.split() == ["slide_guide", "0", "-", "-", "0", "0", "0"]  # which carries nothing: rounding is no number
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("zero", "words"), [("tdc", "top dead centre"), ("bdc", "bottom dead centre")])
 def test_crank_angles_count_from_a_dead_centre(folder: Path, capsys: pytest.CaptureFixture[str], zero: str, words: str) -> None:
     text = printed(capsys, "analyse", "zxn2_3000b", "--speed", "70r/min", "--set", f"zero={zero}", "--out", ".")
@@ -142,6 +143,7 @@ def test_crank_angles_count_from_a_dead_centre(folder: Path, capsys: pytest.Capt
     np.testing.assert_allclose(table["driving_torque [N m]"], torque, atol=1e-12 * np.abs(torque).max())
 
 
+@pytest.mark.exhaustive
 def test_a_variant_beside_the_job(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     printed(capsys, PRESS, "--variant", "long_stroke", "--set", "report.before=hard_steel", "--set", "points=36", "--out", "page.html")
     assert "dashed: variant hard_steel of zxn2_3000b" in data_in(folder / "page.html")["report"]["subtitle"]
@@ -182,6 +184,7 @@ def test_balance_over_speeds_dies_and_settings(folder: Path, capsys: pytest.Capt
     assert heavier.model.inertias[-1].mass == job.balance().conditions[1].press.model.inertias[-1].mass
 
 
+@pytest.mark.exhaustive
 def test_strokes_are_settings_of_a_balance(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """By the radius of its cranks: another mass of both blocks, in proportion, and none at its own radius."""
     blocks = ", ".join(f"{side}: {{link: crank_{side}, at: -150 0 0 mm, mass: -100 100 kg, reset: mass}}" for side in ("left", "right"))
@@ -302,6 +305,7 @@ run: {duration: 20 ms, points: 12}
     assert "a press on springs stands on one rigid frame, without rotors" in one_line(capsys, "simulate", file(job.replace("run:", rotors)))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -83,6 +83,7 @@ def walked(press, path):
     return np.array(found).T
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("height", "path"),
     [

@@ -20,7 +20,7 @@ ANGLES = np.linspace(0.05, 1.2, 7)
 KINDS = {"dyads": n_four_bar.urdf, "gears": large_linkages.gear_train}
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("kind", KINDS)
 def test_power_and_idle_forces_of_a_linkage_of_many_joints(kind):
     press = large_linkages.load(KINDS[kind](20))

@@ -46,6 +46,7 @@ def test_pad_stands_as_a_mount():
 # ------------------------------------------------------------------------------------------------------------------------------- at rest
 
 
+@pytest.mark.exhaustive
 @FIXED
 @given(st.integers(0, 2**32 - 1))
 def test_three_mounts_share_the_weight_by_its_levers(seed):

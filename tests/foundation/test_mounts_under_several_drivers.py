@@ -29,6 +29,7 @@ def motors():
     return foundation.mounted(press, *uneven(), motion=motion), pp.inverse_dynamics(press, motion)
 
 
+@pytest.mark.exhaustive
 def test_two_motors_shake_the_frame_as_their_gears_do(geared, motors):
     np.testing.assert_allclose(motors[0].mass, geared[0].mass, rtol=0, atol=1e-6)  # over 180 and over 720 states
     one = foundation.steady_response(*geared, points=POINTS)

@@ -25,6 +25,7 @@ loads: {draw: {kind: drawing, force: 1500 kN, start: 60 mm}}
 servo:
   strokes_per_minute: 25
   minimise: heat
+  points: 120
   drive: {inertia: 1.5 kg m2, ratio: 60, gear_inertia: 50 kg m2, peak_torque: 2100 N m, rated_torque: 800 N m, top_speed: 2000 r/min}
   path: {kind: turn}
   limits:
@@ -78,7 +79,7 @@ def test_a_job_of_a_servo_press_finds_the_best_motion(tmp_path: Path) -> None:
     servo, press = pp.servo, shipped("zxn2_3000b")
     drive = servo.ServoDrive(inertia=1.5, ratio=60, gear_inertia=50, peak_torque=2100, rated_torque=800, top_speed=2000 * pp.RPM)
     limits = [servo.SlideSpeed(0.2, heights=(0.06, 0.0)), servo.FeedWindow(0.15, 0.8)]
-    best = servo.best_motion(press, drive, [pp.loads.DeepDrawing(1.5e6, 0.06)], time=60 / 25, path=servo.Turn(), limits=limits)
+    best = servo.best_motion(press, drive, [pp.loads.DeepDrawing(1.5e6, 0.06)], time=60 / 25, path=servo.Turn(), limits=limits, points=120)
     assert pp.job(tmp_path / "servo.yaml").best_motion().value == best.value
 
 
@@ -199,13 +200,7 @@ def test_what_is_said_of_all_bearings_holds_of_those_that_say_nothing_else(job: 
     assert job.capacities.bearings == {"A": 2e6}
 
 
-def test_the_report_has_a_part_for_each_section(job: pp.Job, tmp_path: Path) -> None:
-    page = job.write_report(tmp_path / "press.html")
-    titles = [each["title"] for each in data_in(page)["report"]["sections"]]
-    assert {"Ratings", "Steady state"} & set(titles) or any("permissible" in title.lower() for title in titles)
-
-
-def test_the_page_has_the_header_and_the_inputs_of_the_job(tmp_path: Path) -> None:
+def test_the_page_has_the_header_the_inputs_and_the_sections_of_the_job(tmp_path: Path) -> None:
     logo = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 1"><path d="M0 0h4v1H0z"/></svg>'
     (tmp_path / "logo.svg").write_text(logo)
     file = tmp_path / "press.yaml"
@@ -225,6 +220,7 @@ def test_the_page_has_the_header_and_the_inputs_of_the_job(tmp_path: Path) -> No
         assert ("read", f"{path}, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}") in rows
     assert ("variant", f"long_stroke of {file}") in dashed
     assert ("changed", "parameters.r: 143 -> 150") in dashed
+    assert {"Foundation", "Ratings", "Steady state under the motor"} < {each["title"] for each in report["sections"]}
 
 
 def test_the_file_of_a_press_is_among_the_files_read(tmp_path: Path) -> None:

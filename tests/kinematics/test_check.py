@@ -411,6 +411,7 @@ def test_driver_and_slide_are_given(check, tmp_path):
     assert (report.errors, report.facts.drivers, report.facts.slide) == ((), ("O",), "ram")
 
 
+@pytest.mark.exhaustive
 def test_load_names_the_command_that_lists_the_others(tmp_path):
     file = tmp_path / "two errors.urdf"
     text = pinned("spherical", 'link="wheel" xyz="0 0 0.1"', 'link="frame" xyz="0.5 0 0.13"')

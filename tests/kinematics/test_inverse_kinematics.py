@@ -34,7 +34,7 @@ def reachable(press, reach, count, seed=3):
     return positions[inside][:count]
 
 
-@pytest.mark.one_in(2)  # each robot once
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of the files
 @pytest.mark.parametrize("oriented", [False, True])
 @pytest.mark.parametrize("name", ROBOTS)
@@ -133,6 +133,7 @@ def knees_apart(press, positions):
     return np.linalg.norm(ends[0] - ends[1], axis=1)
 
 
+@pytest.mark.exhaustive
 def test_states_that_are_not_reached_are_gaps():
     """Where the knees come nearer to each other than the rods differ in length, the linkage locks. The first motion turns back there, the
     second one goes through, to states that no straight way leads to; it comes back later."""

@@ -220,7 +220,7 @@ def test_plots_over_the_period(press, name):
     assert {state for _, state in _quarters(run)} <= set(range(50, 360 * turns + 50))  # of the last one
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_bars_of_fractional_orders(press, name):
     figure = pp.plots.draw(pp.inverse_dynamics(press, pp.cycle(press, SPEED)), "shaking", "harmonics")
     bars: list[Any] = list(figure.axes[1].patches)
@@ -232,7 +232,7 @@ def test_bars_of_fractional_orders(press, name):
     assert list(figure.axes[1].get_xticks()) == list(range(1, 13))
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
     mine, theirs = (pp.inverse_dynamics(each, pp.cycle(each, SPEED)) for each in (press, alone))
     for first, second in ((mine, theirs), (theirs, mine)):
@@ -328,6 +328,7 @@ def test_commands(press, name, tmp_path, capsys):
     assert len(data_in(tmp_path / "press.html")["time"]) == 360 * TURNS[name] + 1
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("degrees", "speed", "name", "time"),
     [(400, 60, "crank_slide", 1 / 9), (400, 60, "half", 10 / 9), (-10, 60, "third", 3 - 1 / 36), (-400, -120, "half", 5 / 9)],

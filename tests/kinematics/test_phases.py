@@ -88,6 +88,7 @@ def test_phases_fill_the_turn(downwards, start):
         assert after.height == pytest.approx(part.height - part.travel * (1 if down else -1), abs=1e-12)
 
 
+@pytest.mark.exhaustive
 def test_the_longest_even_part(thin_wall):
     """It has its variation; of a sine its half angle has cos = 0.8, sin = 0.6; and the complex step differentiates it."""
     motion = pp.cycle(thin_wall, SPEED, points=120)

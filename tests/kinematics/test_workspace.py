@@ -28,6 +28,7 @@ def knees_apart(turn_a, turn_b):
     return np.linalg.norm(left - right, axis=0)
 
 
+@pytest.mark.exhaustive
 def test_a_linkage_is_reached_up_to_where_it_locks(around_a_lock):
     found = around_a_lock
     assert found.drivers == ("turn_b", "turn_a")

@@ -38,7 +38,7 @@ def forces(press):
     return names, np.hstack([torque, *(reactions.bearing_force[name] for name in names)])
 
 
-@pytest.mark.one_in(9)  # of 8 formats for each of 8 presses: every one of both is run
+@pytest.mark.one_in(11)
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("name", pp.presses())
 def test_a_press_in_another_format_has_the_torque_and_bearing_forces_of_ours(name, form, tmp_path):

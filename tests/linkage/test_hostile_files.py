@@ -31,6 +31,7 @@ def urdfs(folder, names):
     expect(folder, [URDFS[name] for name in names], files)
 
 
+@pytest.mark.exhaustive
 def test_meshes(tmp_path):
     meshes(tmp_path, QUICK_MESHES.split())
 

@@ -13,6 +13,7 @@ from pinpress.linkage.checks import mobility
 THIRD_SHAFT = PENDULUM.replace("</joint>", '<mimic joint="G" multiplier="3"/></joint>')
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "text",
     [*(texts.shipped(name).text.decode() for name in pp.presses()), with_element(THIRD_SHAFT)],
@@ -30,6 +31,7 @@ def test_every_equation_belongs_to_one_loop_or_gear_pair(text):
             assert set(involved) == set(each.by.coefficients)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("turned", ["1.5707963267948966 0 0", "-1.5707963267948966 0 0", "1.5707963267948966 0.3 0"])
 def test_axes_across_each_other_are_not_aligned(turned):
     """A pin of the crank-slide whose other end is turned by a quarter about x: its axis is exactly across that of the first."""

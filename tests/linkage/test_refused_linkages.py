@@ -142,6 +142,7 @@ def locking():
         return texts.load(text)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_a_linkage_that_locks_says_where(locking, engine):
     for sign in (1, -1):

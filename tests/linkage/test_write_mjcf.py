@@ -121,6 +121,7 @@ def moved(press, at, speed, acceleration):
     return pp.servo_cycle(press, at, speed=speed, acceleration=acceleration)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", pp.presses())
 def test_shipped_presses(name, tmp_path):
     compare(texts.shipped(name), tmp_path)
@@ -165,6 +166,7 @@ def test_random_linkages(spec):
         compare(press, Path(folder), pp.servo_cycle(press, **servo(press, np.random.default_rng(spec.seed), states=1)))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES])
 def test_small_robots(case, tmp_path):

@@ -329,6 +329,7 @@ def limits(press, model):
 PITCHES = (np.pi / 2, -np.pi / 2, np.pi / 2 - 1e-9, np.pi / 2 - 1e-4, np.pi)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
 @pytest.mark.parametrize(
     "change", [thin_rod, all_placements, welded_links, limits, *map(turned_by, PITCHES)], ids=lambda each: each.__name__

@@ -60,6 +60,7 @@ def test_variances_that_rounding_made_negative_are_zero():
     assert fit.deviation.tolist() == [2.0, 0.0, 3.0]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("name", "zero", "known", "exact"),
     [
@@ -411,6 +412,7 @@ def test_what_cannot_be_told_is_refused_or_warned_of():
         identify(press, [run(moved, torque @ (2 * values) + 20.0, rng, 2.0)], prior=0.05, friction=("crank",))
 
 
+@pytest.mark.exhaustive
 def test_doubts_are_those_that_are_known():
     """At 1 % noise and three speeds: of zxn2 the slide is known and the rod is not; in jf75g slide and counterweight hide each other."""
     doubts = {}

@@ -58,6 +58,7 @@ def residuals(press, motion):
     }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [*pp.presses(), "rssp", "knuckle"])
 def test_columns_times_values_are_inverse_dynamics(name):
     press = press_of(name)

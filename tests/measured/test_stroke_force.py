@@ -177,6 +177,7 @@ def test_bands_hold_on_the_way_up():
     assert np.mean(inside, axis=0).min() > 0.88
 
 
+@pytest.mark.exhaustive
 def test_the_encoders_zero_of_an_identified_press_is_taken_off():
     """The press is known to stand 3 degrees elsewhere than its encoder says; forces are as if it stood right."""
     press, rng = shipped("crank_slide"), np.random.default_rng(4)
@@ -243,6 +244,7 @@ def test_stroke_by_stroke():
     np.testing.assert_allclose(together.deviation, np.mean([each.deviation for each in found], axis=0) / np.sqrt(4), rtol=0.1)
 
 
+@pytest.mark.exhaustive
 def test_a_press_that_springs():
     """A stroke of elastic motion: the work is that of the force, which holds at heights higher by force / stiffness."""
     press, speed = shipped("jf75g_125_plain"), 100 * RPM
@@ -298,6 +300,7 @@ def test_what_cannot_be_measured_is_named(make, says):
         make()
 
 
+@pytest.mark.exhaustive
 def test_deviations_hold_the_error_of_straight_lines_between_heights():
     """A force of half a sine over heights h apart: lines miss it by h^2 F'' / 12, which is many deviations of the noise."""
     press, top, start, heights = shipped("crank_slide"), 2.5e4, 0.044, np.arange(0, 0.0561, 0.002)

@@ -9,17 +9,14 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import make
 import numpy as np
 import pytest
-import yaml
 from support import mistakes, page_blocks
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.cli.main import _parser
-from pinpress.jobs.schema import schema
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -58,7 +55,8 @@ RUN += [
 ]
 # these take as long as all others
 LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
-LONG |= {"measured_vibration", "robots", "servo", "several_drivers", "synthesis", "slide_accuracy", "tolerances"}
+LONG |= {"balancing", "elasticity", "measured_vibration", "recording", "robots", "servo", "several_drivers", "synthesis", "slide_accuracy"}
+LONG |= {"tolerances"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "mistakes", "motor", "kong2025", "zhang2007", "chen2002"]
@@ -80,15 +78,6 @@ SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 def text(page: str) -> str:
     return (DOCS / f"{page}.md").read_text(encoding="utf-8")
-
-
-def _files(page: Path) -> dict[str, str]:
-    """Name of a file -> what all blocks of a page but those of modules write into it."""
-    files: dict[str, str] = {}
-    for block in page_blocks.blocks(page.read_text(encoding="utf-8")):
-        if block.title and block.language != "python":
-            files[block.title] = files.get(block.title, "") + block.body
-    return files
 
 
 @pytest.mark.parametrize("page", rest_exhaustive(RUN, *set(RUN) - LONG))
@@ -216,21 +205,6 @@ def test_commands_of_pages_are_read(page: Path) -> None:
         if line.startswith("pinpress ") and "..." not in line:
             words = shlex.split(line, comments=True)[1:]
             assert parser.parse_args([*([] if words[0] in commands else ["report"]), *words]).run
-
-
-@pytest.mark.parametrize("page", [page for page in sorted(DOCS.glob("*.md")) if _files(page)], ids=lambda page: page.stem)
-def test_jobs_of_a_page_are_read_and_an_editor_marks_nothing(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files that blocks of a page make together; those without a press, as of a frame, are parts of other jobs."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "docs").symlink_to(DOCS)
-    Path("motion.csv").write_text("time [s],A [deg],B [deg]\n0,0,0\n1,0,0\n", encoding="utf-8")  # in place of one that a page computes
-    for file, body in _files(page).items():
-        Path(file).write_text(body, encoding="utf-8")
-    for file, body in _files(page).items():
-        entries = yaml.safe_load(body) if file.endswith(".yaml") else {}
-        if {"press", "file", "base"} & set(entries):
-            assert not list(jsonschema.Draft7Validator(schema()).iter_errors(entries)), file
-            pp.job(file)
 
 
 def test_the_gallery_is_what_its_script_writes() -> None:

@@ -219,6 +219,7 @@ def test_polar_marks(result):
     np.testing.assert_array_equal(away.argmin(axis=0), [0, 1, 2, 3])
 
 
+@pytest.mark.exhaustive
 def test_polar_of_a_run_is_its_last_turn(run):
     figure = plots.draw(run, "polar O")
     paths = [line for line in figure.axes[0].lines if line.get_color() == "#0072B2" and len(line.get_xdata()) > 20]

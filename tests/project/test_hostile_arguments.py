@@ -117,8 +117,8 @@ def test_all(name):
     assert wrong([case for case in cases(name) if case[0] == name][:: 3 if name.startswith(SLOW) else 1]) == []
 
 
+@pytest.mark.one_in(20)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
-@pytest.mark.one_in(10)
 @pytest.mark.parametrize("name", [name for name in calls() if not name.startswith(("view", "video.", "accuracy."))])
 def test_valid_arguments_are_taken(name):
     """Else only the first check of all would be tried. Files that are read are missing, and so is the folder to write to."""

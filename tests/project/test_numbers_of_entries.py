@@ -134,17 +134,3 @@ def test_a_law_that_answers_with_complex_or_masked_numbers_is_refused():
     for factor in (1 + 1j, np.ma.masked_array(1.0, mask=True)):
         with pytest.raises(pp.PinpressError, match=r"Odd: .*torque"):
             pp.simulate(press(), 0.1, speed=5.0, drive=Odd(factor))
-
-
-@pytest.mark.parametrize("inertia", [-1e-9, np.nan, np.inf])
-def test_the_inertia_of_a_callers_own_drive_is_not_negative(inertia):
-    class Own(SpeedTorqueDrive):
-        def __init__(self, inertia: Any) -> None:
-            self.inertia, self.rated_torque = inertia, None
-
-        def torque(self, speed, angle=0.0, time=0.0, state=()):
-            return -speed
-
-    with pytest.raises(pp.PinpressError, match=r"Own: inertia is .* not negative"):
-        pp.simulate(press(), 0.01, speed=5.0, drive=Own(inertia))
-    assert pp.simulate(press(), 0.01, speed=5.0, drive=Own(0.0)).crank_speed[-1] > 0

@@ -295,7 +295,7 @@ def test_work_by_adaptive_quadrature():
 # Every press, both engines, what is written
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("at_speed", [False, True])
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_press(name, at_speed):

@@ -91,6 +91,7 @@ def test_least_time_with_a_drag_that_takes_torque_and_helps_to_brake():
     assert found.bound == pytest.approx(way(first)[1], rel=1e-4)  # in the mean from node to node
 
 
+@pytest.mark.exhaustive
 def test_a_curve_that_bends_upwards_is_kept_and_said_to_be_bounded_only():
     """A drive with the least torque of the curve everywhere has more heat, one with the curve's hull less."""
     speed, torque = [0.0, 84.0, 126.0, 209.0], [2080.0, 2080.0, 1440.0, 1040.0]
@@ -203,7 +204,7 @@ def test_no_turn_is_below_the_bound(inertia, time, waves):
 # ------------------------------------------------------------------------------------------------- tables of our own first prototype
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("name", "inertia", "loads", "time", "limits", "path", "rms"),
     [
@@ -229,6 +230,7 @@ def test_least_heat(name, inertia, loads, time, limits, path, rms):
     assert best.motion.duration == pytest.approx(time, rel=1e-6)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("back", [0.0, 0.005])
 def test_pulses_are_proved(back):
     """The slide rests at bottom dead centre, where its limit of speed allows nearly any: rows of 1e9 cost six digits of the dual."""
@@ -285,8 +287,8 @@ def test_friction_settles():
     assert "the proof holds for this torque" in best.notes[0]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("power", "rms", "gap"), [(280e3, 31530, 5e-4), (240e3, 32340, 5e-4), (200e3, 33970, 1e-3)])
-@pytest.mark.one_in(3)
 def test_power_is_kept_and_its_bound_is_close(power, rms, gap):
     """Motion (N = 720) and gap (N = 180) of a prototype: 8e-5, 1e-4 and 5e-4 after tightening, 1.3, 6.1 and 14.9 % before it."""
     press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, power=power)
@@ -381,12 +383,14 @@ def test_random_tasks_are_proved(seed):
     proved(random_task(seed), 360)
 
 
+@pytest.mark.exhaustive
 def test_the_bound_of_a_faster_turn_is_not_above_a_turn_that_takes_its_time():
     """The best turn in any time is only 0.3 % faster here, so that the bound is as close to the value as rounding lets it."""
     drive, limits = servo.ServoDrive(2754.37, peak_torque=650017), [servo.SlideSpeed(0.486984, (0.030126, 0.0)), servo.CrankSpeed(4.85794)]
     proved((texts.shipped("zxn2_3000b"), drive, [pp.loads.DeepDrawing(2343153, 0.13686)], 2.58678, limits), 360)
 
 
+@pytest.mark.exhaustive
 def test_a_heavy_rotor_has_a_wide_gap_that_a_note_explains():
     """It hardly feels the load, so that a turn that is faster except near its mean speed needs half of the heat."""
     drive, load = servo.ServoDrive(10.8964, peak_torque=146.168), pp.loads.DeepDrawing(1100, 0.01)
@@ -419,6 +423,7 @@ def best_of_a(drive=None, points=240, **options):
     return servo.best_motion(texts.shipped("zxn2_3000b"), drive or servo.ServoDrive(inertia=800), DRAWING, points=points, **options)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("limit", "of"),
     [
@@ -438,7 +443,7 @@ def test_a_limit_is_kept_and_acts(limit, of):
     assert len(best.limits) > 1
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("name", "inertia"), [("zxn2_3000b", 800), ("jf75g_125", 2), ("thin_wall", 2), ("link-drive", 20)])
 def test_limits_of_the_drive_hold_between_nodes(name, inertia, tmp_path):
     """In the mean from node to node they hold anyhow; at an instant they were exceeded by 2 to 20 %, with least time or least heat."""
@@ -477,6 +482,7 @@ def test_energy():
     assert best.value < 0.999 * heat.motion.energy_drawn
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("minimise", ["heat", "energy"])
 def test_losses_by_speed(minimise):
     """They are counted as full inverse dynamics has them; where the program could make them smaller than they are, the gap says so."""
@@ -489,6 +495,7 @@ def test_losses_by_speed(minimise):
     assert best.gap < 0.02
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("limits", "drive"),
     [

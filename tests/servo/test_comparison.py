@@ -85,6 +85,7 @@ def test_a_drive_that_is_too_weak_is_named():
     assert row.breaks.startswith("peak torque of 300 N m: ")
 
 
+@pytest.mark.exhaustive
 def test_best_motions_keep_their_limits_between_nodes():
     """What `compare_motions` takes for kept is what `best_motion` keeps: torque, its curve and power at their limits."""
     press, load = pp.load("zxn2_3000b"), [pp.loads.DeepDrawing(1.5e6, 0.06)]

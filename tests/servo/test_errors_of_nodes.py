@@ -52,6 +52,7 @@ def test_nodes_are_refined_until_their_error_is_small():
     assert any("finer nodes may change the objective by" in note for note in told.notes)
 
 
+@pytest.mark.exhaustive
 def test_a_least_peak_is_held_between_nodes():
     """In full inverse dynamics many segments reach the largest torque, and no state between two nodes exceeds it."""
     press, drive = texts.shipped("thin_wall"), servo.ServoDrive(inertia=2.0)
@@ -64,7 +65,7 @@ def test_a_least_peak_is_held_between_nodes():
     assert best.value * (1.0 - best.node_error - best.gap) < finer.value <= best.value
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize(("drag", "least"), [(18.0, 879.0313262), (19.0, 882.7709463), (20.5, 888.4724784)])
 @pytest.mark.parametrize("path", [servo.Turn(), None])
 def test_drag_of_the_motor_leaves_the_motion_without_it_possible(drag, least, path):

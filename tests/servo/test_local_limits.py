@@ -87,7 +87,7 @@ def test_power_and_rate_of_torque_are_those_of_energies(path):
 CURVES = {"concave curve": ((0, 60, 100, 140), (900, 900, 700, 100)), "convex curve": ((0, 40, 90, 140), (900, 400, 150, 90))}
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("path", PATHS)
 @pytest.mark.parametrize("which", ["power", "rate", *CURVES])
 def test_tangents_touch_limits_from_within(path, which):

@@ -236,6 +236,7 @@ STRONG = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 45.0, in
 LOSSY = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2), 20.7, efficiency=0.95)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "motor", "speed", "least"),
     [

@@ -134,7 +134,7 @@ SCENES: dict[str, tuple[dict[str, Any], Coupled, tuple[float, float, float | Non
 }
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.filterwarnings("ignore:the press stands from", "ignore:the slide turns down again")
@@ -150,6 +150,7 @@ def test_couplings_loads_and_losses_at_rest(press, scene, method):
 TORQUES = [(drive, clutch, brake) for drive in (-90.0, 20.0, 90.0) for clutch in (None, 15.0, 200.0) for brake in (None, 10.0, 70.0)]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.filterwarnings("ignore:the press stands from")
 def test_the_crank_rests_where_its_torques_lie_within_what_holds(press, method):
@@ -211,6 +212,7 @@ def test_a_clutch_whose_torque_rises_between_sides_that_coast_alike(press, angle
         assert (run.crank_speed[-1] == pytest.approx(run.drive_speed[-1], abs=1e-6)) == holds
 
 
+@pytest.mark.exhaustive
 def test_a_slide_that_swings_back_on_its_work_is_warned_of(press):
     """The brake lets the weights go: the slide comes up from below the load, does not reach its start, and comes down on it again."""
     given: dict[str, Any] = {

@@ -72,6 +72,7 @@ def slopes(time, state):
     return np.array([(rates(time, state + step) - rates(time, state - step)) / 2e-7 for step in steps]).T
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("duration", [1.0, pytest.param(10.0, marks=pytest.mark.exhaustive)])
 def test_a_stiff_governor_agrees_with_its_lagrangian(duration):
     press = texts.load(urdf(), driver=("spin", "hinge1", "hinge2", "lift"))

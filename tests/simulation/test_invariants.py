@@ -68,6 +68,7 @@ def test_all_forces_are_those_at_the_speed_that_the_energy_gives(case):
     np.testing.assert_allclose(np.diff(solution.ends, axis=0)[solved], gained[solved], rtol=0, atol=1e-9 * solution.ends[0].max())
 
 
+@pytest.mark.one_in(3)
 def test_a_guess_changes_no_answer(case):
     """It may change the number of rounds. What is solved stays the same too."""
     driven, mesh, energy = case
@@ -81,6 +82,7 @@ def test_a_guess_changes_no_answer(case):
             np.testing.assert_allclose(other.energy[:, solved], right.energy[:, solved], rtol=1e-9)
 
 
+@pytest.mark.one_in(3)
 def test_what_follows_a_panel_does_not_change_it(case):
     driven, mesh, energy = case
     whole = collocation.solve(driven, mesh, energy)
@@ -91,6 +93,7 @@ def test_what_follows_a_panel_does_not_change_it(case):
         np.testing.assert_allclose(part.energy[:, solved], whole.energy[:, :count][:, solved], rtol=1e-10)
 
 
+@pytest.mark.one_in(3)
 def test_panels_that_are_not_solved_hand_over_the_energy_at_the_start(case):
     driven, mesh, energy = case
     solution = collocation.solve(driven, mesh, energy)

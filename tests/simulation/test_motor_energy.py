@@ -81,6 +81,7 @@ def stored(run):
     return np.array(found)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", MOTORS)
 def test_mains_are_work_and_losses_and_what_is_stored(name):
     """At every state of a run that is not steady: an error of 1e-9 of the largest work."""
@@ -306,6 +307,7 @@ def test_links_without_bounds_are_the_shares_that_are_used_again():
     assert tiny.work["resistor"][-1] - plain.work["resistor"][-1] == pytest.approx(-braking, rel=1e-6)
 
 
+@pytest.mark.exhaustive
 def test_the_capacitor_of_a_planned_motion_just_suffices():
     """The mains give the mean alone, and the voltage goes from one end to the other: `pinpress.servo.capacitor`, by trapezoids."""
     run = servo_run()
@@ -321,6 +323,7 @@ def test_the_capacitor_of_a_planned_motion_just_suffices():
     assert energy.power["mains"].max() == pytest.approx(1.001 * mean)
 
 
+@pytest.mark.exhaustive
 def test_links_that_cannot_be_are_named():
     run = servo_run()
     energy = pp.measures.motor_energy

@@ -628,44 +628,6 @@ def test_friction_in_the_guide(press, method):
     assert np.abs(result.load_work - 500.0 * (way - way[0])).max() < 1e-6
 
 
-def broken(*_):
-    raise ZeroDivisionError
-
-
-STRETCHES = {
-    "nan": [ForceInterval(0.05, 0.02, lambda h, v: h * math.nan)],
-    "infinite": [ForceInterval(0.05, 0.02, lambda h, v: h * 0 + math.inf)],
-    "error": [ForceInterval(0.05, 0.02, broken)],
-    "None": [ForceInterval(0.05, 0.02, lambda h, v: None)],
-    "text": [ForceInterval(0.05, 0.02, lambda h, v: "many")],
-    "upside down": [ForceInterval(0.02, 0.05, lambda h, v: h)],
-    "border nan": [ForceInterval(math.nan, 0.02, lambda h, v: h)],
-    "no intervals": [1.0],
-    "not a tuple": 1.0,
-}
-
-
-def no_answer(time: Any) -> Any:
-    return None
-
-
-EVEN = [ForceInterval(0.05, 0.02, lambda h, v: 1.0 + 0 * h)]
-BROKEN_LOADS = {
-    **{name: (Load(intervals), "Load") for name, intervals in STRETCHES.items()},
-    **{f"datum {datum}": (Load(EVEN, datum=datum), "datum") for datum in ("x", math.nan, math.inf)},
-    "time nan": (pp.loads.TimeForce(lambda t: t * math.nan), "TimeForce"),
-    "time None": (pp.loads.TimeForce(no_answer), "TimeForce"),
-    "time error": (pp.loads.TimeForce(broken), "TimeForce"),
-}
-
-
-@pytest.mark.parametrize("name", BROKEN_LOADS)
-def test_broken_loads_are_refused_by_name(press, method, name):
-    load, named = BROKEN_LOADS[name]
-    with pytest.raises(pp.PinpressError, match=named):
-        pp.simulate(press, 1.0, **BOTH_WAYS, loads=[load], method=method)
-
-
 class Drive(pp.drives.SpeedTorqueDrive):
     law: Any
     inertia, rated_torque, state, timed, corners = 0.0, None, (), False, ()
@@ -756,30 +718,6 @@ def at_stop(torque):
     """Way in which a torque and the weights use up the kinetic energy of 5 rad/s at 2 rad."""
     energy = 0.5 * (inertia(2.0) + 5.0) * 25.0
     return float(brentq(lambda way: energy - torque * way - potential(2.0 + way) + potential(2.0), 0.0, 0.5, xtol=1e-14))
-
-
-@pytest.mark.parametrize(
-    "drive",
-    [
-        Drive(lambda w: w * math.nan),
-        Drive(lambda w: None),
-        Drive(broken),
-        Drive(lambda w: "much"),
-        Drive(lambda w: 1.0 + 0 * w, ("a",)),
-        Drive(lambda w: 1.0 + 0 * w, inertia=math.nan),
-        Drive(lambda w: 1.0 + 0 * w, inertia="a"),
-        Drive(lambda w: 1.0 + 0 * w, inertia=None),
-        Drive(lambda w: 1.0 + 0 * w, inertia=-0.01),
-        Drive(lambda w: 1.0 + 0 * w, inertia=-10.0),
-        Drive(lambda w: 1.0 + 0 * w, timed=True, state=(math.nan,), rates=lambda *_: (0.0,)),
-        Drive(lambda w: 1.0 + 0 * w, timed=True, state=(0.0,)),
-    ],
-    ids=["nan", "None", "error", "text", "corner", "inertia nan", "inertia text", "inertia None", "less", "negative", "state", "rates"],
-)
-@pytest.mark.parametrize("speed", [0.0, 5.0])
-def test_broken_drives_are_refused(press, method, drive, speed):
-    with pytest.raises(pp.PinpressError):
-        pp.simulate(press, 1.0, speed=speed, drive=drive, method=method, **AT_5)
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,7 @@ def stroke_onto_a_die(speed, die, times):
     return tuple(np.where(since < 0, one, other) for one, other in zip(falling, swinging, strict=True))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("speed", "die", "duration"), [(-30.0, -0.45, 0.45), (-22.0, -0.3, 0.262), (-60.0, -1.7, 1.25)])
 def test_a_screw_press_meets_its_die(screw, speed, die, duration, method):

@@ -104,6 +104,7 @@ def test_an_even_ram_speed_is_held_by_the_pressure_angle(degrees, drop):
 # ----------------------------------------------------------------------------------------------------------------------------- crank-slider
 
 
+@pytest.mark.exhaustive
 def test_the_shortest_rod_that_keeps_an_acceleration():
     """Stroke 2 r and largest acceleration r w^2 (1 + r / l) fix crank and rod; their multipliers are derivatives of that formula."""
     w, s, a = 10.0, 0.24, 15.0

@@ -109,6 +109,7 @@ def test_first_order_is_that_of_the_sample(found):
         assert np.abs((slopes - each.gradient) * tolerances).max() < 2e-3 * each.worst_case
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore:.*does not move the slide at a dead centre:pinpress.PinpressWarning")  # a guide along itself
 @pytest.mark.parametrize("name", ["crank_slide", "jf75g_125_plain", "thin_wall", "zxn2_3000b", SLIDING, IN_SPACE])
 def test_every_press_is_the_reshaped_one(name):
@@ -141,6 +142,7 @@ drive: O
 """
 
 
+@pytest.mark.exhaustive
 def test_a_link_drive_with_ball_joints_and_its_torque_and_speed(tmp_path):
     """Each press made anew; slopes of the sample are the gradients; an angle of the plate is that between its arms."""
     (tmp_path / "balls.yaml").write_text(BALLS)
@@ -340,7 +342,7 @@ drive: O
 """
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("short", [0.0, 0.01, 1.0, -0.01, -1.0])
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-3])
 def test_a_knuckle_that_some_presses_stretch_and_others_do_not(short, tolerance, tmp_path):

@@ -136,6 +136,7 @@ def test_a_larger_ratio_gains_nothing_once_the_field_is_weakened():
 # ------------------------------------------------------------------------------------------------------------------ conclusion (4)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("words", "name", "share"), [("A, x", "F01x", np.cos), ("A, vertical", "F01y", np.sin)])
 def test_the_largest_fall_in_the_shafts_bearing_by_trying_all_angles(price, words, name, share):
     """661 kg on the crank, 0.3 m from the shaft: a force that turns with the crank, added to that of the hand-written script."""

@@ -350,6 +350,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", BROKEN)
 def test_meshes_that_cannot_be_read(name: str, tmp_path: Path) -> None:
     content = BROKEN[name]
@@ -373,7 +374,7 @@ def test_mesh_that_is_a_folder_and_scale_beyond_numbers(tmp_path: Path) -> None:
 # ----------------------------------------------------------------------------------------------------------------------------- plain shapes
 
 
-@pytest.mark.one_in(7)
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", pp.presses())
 def test_pins_join_links_without_visuals(name: str) -> None:
     press = bare(texts.shipped(name))
@@ -481,6 +482,7 @@ def test_volumes_and_centres() -> None:
     assert_allclose(centre, [4 * 0.3 / (3 * np.pi), 0, 0], atol=1e-3)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("mass", "place", "shape"), [(3000.0, (-0.1, 0.0, 0.05), Cylinder), (600.0, (-0.3, 0.0, 0.1), Plate)])
 def test_counterweights_of_a_balanced_press_have_their_mass_where_it_is(mass: float, place: Any, shape: type, tmp_path: Path) -> None:
     """The 3 tonnes that balancing finds are seen, on links with visuals and without, of a file too; bodies are as before."""

@@ -440,7 +440,7 @@ def test_locus_in_a_plane_of_world_axes(rpy, axes):
     assert named(pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12)))["polar P"].axes == axes
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_locus_in_axes_of_the_link(name):
     """In the plane a link's axes are turned by the sum of the joint angles on the way to it; turned back, the force is the frame's."""

@@ -352,6 +352,7 @@ balance: {regions: {crank: {radius: 300 mm}}, minimise: {kind: range, quantity: 
 """
 
 
+@pytest.mark.exhaustive
 def test_the_command_makes_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = reported(tmp_path, ALL)
     assert capsys.readouterr().out.endswith(f"\nwrote {page}\n")
@@ -418,6 +419,7 @@ foundation:
 """
 
 
+@pytest.mark.exhaustive
 def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> None:
     page = reported(tmp_path, ON_RUBBER)
     pad = pp.foundation.RubberPad(0.2, 0.2, 0.01, shear_modulus=1.2e6)
@@ -551,6 +553,7 @@ foundation:
 """
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -723,6 +726,7 @@ def test_servo_motions(tmp_path: Path) -> None:
     assert [figure["name"] for figure in found["Mains and capacitor"]["blocks"][0]["figures"]][-1] == "capacitor"
 
 
+@pytest.mark.exhaustive
 def test_all_charts_of_a_press_that_turns_backwards_run_from_0_down(tmp_path: Path) -> None:
     """Angles fall as time goes on, on all axes alike; values stay at their angles."""
     path = tmp_path / "table.yaml"

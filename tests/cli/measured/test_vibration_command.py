@@ -48,6 +48,7 @@ def test_modes_of_hits_and_the_mounts_that_fit_them(capsys, tmp_path, files):
     ]
 
 
+@pytest.mark.exhaustive
 def test_modes_in_a_band_without_a_model(capsys, files):
     assert main(["measured", "vibration", *files, "--band", "3 50 Hz", "--count", "6"]) == 0
     out, _ = capsys.readouterr()
@@ -88,6 +89,7 @@ def test_orders_of_a_running_press(capsys, tmp_path):
     assert (out_folder / "orders.csv").read_text().count("\n") > 20
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

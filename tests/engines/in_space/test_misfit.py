@@ -108,7 +108,7 @@ def rounded(text, digits):
     return re.sub(r'<axis xyz="([^"]*)"/>', axis, text)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("digits", [4, 5, 6, 8])
 @pytest.mark.parametrize(
@@ -132,6 +132,7 @@ def test_rings_in_space_with_rounded_numbers(exact, digits):
         np.testing.assert_allclose(of_rounded, of_exact, rtol=0, atol=100 * 10.0**-digits * np.abs(of_exact).max())
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("text", "missed"), ROUNDED, ids=lambda value: f"{value:g}" if isinstance(value, float) else "")
 def test_a_crank_slide_with_rounded_axes_loads_with_a_warning(text, missed):
     file = texts.file(text)
@@ -161,6 +162,7 @@ ROUNDED_RINGS = [
 ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize(("exact", "text", "missed"), ROUNDED_RINGS)
 def test_forward_dynamics_and_its_derivatives(exact, text, missed):

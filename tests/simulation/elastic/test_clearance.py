@@ -152,6 +152,7 @@ def test_turns_are_those_of_the_crank_where_its_speed_changes():
     assert impacts.peak[0] == pytest.approx(np.linalg.norm(found.bearing_force["P4"][first], axis=1).max(), rel=1e-3)
 
 
+@pytest.mark.exhaustive
 def test_clearance_of_a_pin_on_the_crank():
     """The crank goes its own way while the journal flies; at every event the journal is as far from the centre as the clearance."""
     press, pins = shipped("jf75g_125_plain"), {"O": pp.elasticity.Clearance(1e-4)}

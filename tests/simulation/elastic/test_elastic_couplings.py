@@ -63,6 +63,7 @@ STROKE = {
 }
 
 
+@pytest.mark.exhaustive
 def test_a_press_starts_and_stops():
     """The clutch takes a standing press along and opens, the brake holds it: as the rigid press does, nearly."""
     rigid = pp.simulate(jf75g(), 0.2, **STROKE, points=101)
@@ -76,6 +77,7 @@ def test_a_press_starts_and_stops():
     np.testing.assert_allclose(run.drive_speed, rigid.drive_speed, rtol=5e-4)
 
 
+@pytest.mark.exhaustive
 def test_an_overloaded_clutch_slips_and_holds_again():
     """Blanking asks for more than the clutch can hold: it slips, and holds after the break; when and how much as in the rigid press."""
     given: Any = {
@@ -153,6 +155,7 @@ def servo(speed):
     return pp.drives.ServoMotor(times, 1.0 + speed * times, 2e5, 2e3, 1e5, inertia=1.0)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("drive", "torque"), [(Controlled(SPEED), 50.0), (Jumping(0.995 * SPEED), 20.0), (servo(SPEED), 50.0)], ids=["states", "jump", "servo"]
 )

@@ -52,6 +52,7 @@ def test_blanking_under_a_motor():
     assert len(pp.measures.stroke_duties(later)) == 3
 
 
+@pytest.mark.exhaustive
 def test_steady_state_from_another_angle():
     """It is the same stroke; gears with losses give the torque a corner at the motor's synchronous speed."""
     drive = induction(efficiency=0.9)
@@ -103,6 +104,7 @@ def test_run_without_a_drive():
         pp.simulate(jf75g(), 1.0, speed=SPEED, loads=[BLANK], elastic=springs(jf75g()))
 
 
+@pytest.mark.exhaustive
 def test_events_of_a_stroke_are_planned_by_its_own_motion(monkeypatch):
     """Drawing ends where the rigid six-bar turns; on its springs the slide passes that height before. Nothing is marched."""
     press, speed = texts.shipped("zxn2_3000b"), 70 * RPM

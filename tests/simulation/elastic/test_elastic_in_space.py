@@ -65,6 +65,7 @@ def forces_of(found):
     return np.array([found.bearing_force[name][:36] for name in rssp().bearings])
 
 
+@pytest.mark.exhaustive
 def test_start_without_vibration_in_space():
     """Springs that carry the inertia forces of the rigid press carry its bearing forces, but for what goes with 1 / stiffness."""
     rigid = pp.inverse_dynamics(rssp(), pp.servo_cycle(rssp(), angle=[0.7], speed=SPEED))
@@ -326,6 +327,7 @@ def test_gibs_that_stay_closed_are_a_number():
     assert not tight.events
 
 
+@pytest.mark.exhaustive
 def test_gibs_open_in_both_directions_and_leave_one_with_all():
     run = pushed_aside(GIBS)
     loads = np.array([run.joint_load[f"slide_guide {axis}"] for axis in "xy"])

@@ -44,6 +44,7 @@ def test_soft_mounts_as_the_linear_frame_shaken_by_the_rigid_press():
     assert run.stats.energy_error < 1e-9
 
 
+@pytest.mark.exhaustive
 def test_blanking_under_a_motor_on_soft_mounts():
     """The cut shakes the frame, whose mounts lose energy too; what the process load takes from the slide presses on the frame."""
     run: Any = pp.simulate(
