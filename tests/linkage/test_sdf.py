@@ -52,6 +52,13 @@ def robot(**of):
     return parse(file(**of)).robot
 
 
+def gearbox(parent, child, reference, ratio, axis="0 -1 0", of="gear"):
+    """A gearbox whose parent turns about an axis, and its child about -y."""
+    ends = f"<parent>{parent}</parent><child>{child}</child><gearbox_ratio>{ratio!r}</gearbox_ratio>"
+    axes = f"<axis><xyz>{axis}</xyz></axis><axis2><xyz>0 -1 0</xyz></axis2>"
+    return f'<joint name="{of}" type="gearbox">{ends}<gearbox_reference_body>{reference}</gearbox_reference_body>{axes}</joint>'
+
+
 def bushing(frame, torque, force, damping="0 0 0"):
     """An elastic bushing of Drake between a frame and the slide."""
     values = {"torque_stiffness": torque, "torque_damping": damping, "force_stiffness": force, "force_damping": damping}
@@ -167,6 +174,45 @@ def test_a_gearbox_is_a_gear_pair_with_the_sign_of_its_axes():
     assert mimic.numbers("multiplier") + mimic.numbers("offset") == (-2, 0.2)
 
 
+INERTIAL = "<inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>"
+WHEEL = f"""<link name="{{0}}"><pose>{{1}} 0 0 0 0 0</pose>{INERTIAL}</link>
+    <joint name="{{2}}" type="revolute"><parent>{{3}}</parent><child>{{0}}</child><axis><xyz>0 {{4}} 0</xyz></axis></joint>"""
+
+
+@pytest.mark.parametrize(("sun", "planet"), [(-1, -1), (1, -1), (-1, 1)])
+def test_a_gearbox_in_a_moving_body_is_a_relation_of_the_joints_between(sun, planet):
+    """A planetary whose arm carries the planet: teeth 20, 30 and 80, so that the sun turns five times as fast as the arm (Willis)."""
+    links = (
+        WHEEL.format("arm", 0, "A", "world", -1)
+        + WHEEL.format("sun", 0, "S", "world", sun)
+        + WHEEL.format("planet", 0.25, "P", "arm", planet)
+    )
+    gears = gearbox("sun", "planet", "arm", 20 / 30, of="sun_planet") + gearbox("planet", "world", "arm", -30 / 80, of="ring")
+    text = f'<sdf version="1.9"><model name="planetary">{links}{gears}</model></sdf>'
+    press = pp.load(texts.file(text, "planetary.sdf"), "S")
+    angles = np.linspace(0.0, 2.0, 5)
+    motion = pp.servo_cycle(press, angles, speed=1.0, acceleration=0.0)
+    turned = dict(zip(press.joints, motion.joint_position.T, strict=True))
+    np.testing.assert_allclose(turned["A"], -sun * angles / 5, atol=1e-14)
+    np.testing.assert_allclose(-planet * turned["P"] + turned["A"], sun * angles / 3, atol=1e-14)  # of the planet, absolute
+    with pytest.raises(pp.PinpressError, match="SDF has no element for relation 'sun_planet'"):
+        pp.write_sdf(press, texts.file("", "planetary.sdf"))
+
+
+@pytest.mark.parametrize(("pitch", "rise"), [("screw_thread_pitch>0.2</screw_", 0.2), ("screw_thread_pitch>-0.2</screw_", -0.2)])
+def test_a_screw_joint_turns_and_slides(pitch, rise):
+    """A right-handed screw goes along its axis where it turns about it; thread_pitch counts -2 pi radians by lead."""
+    screw = """<link name="spindle"><inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link>
+    <joint name="S" type="screw"><parent>world</parent><child>spindle</child><{}thread_pitch><axis><xyz>0 0 1</xyz></axis></joint>"""
+    classic = f"thread_pitch>{-2 * np.pi / rise!r}</"
+    for said in (pitch, classic):
+        text = f'<sdf version="1.9"><model name="screw">{screw.format(said)}</model></sdf>'
+        press = pp.load(texts.file(text, "screw.sdf"), "S")
+        motion = pp.servo_cycle(press, [0.0, 2 * np.pi], speed=1.0, acceleration=0.0)
+        assert press.joints == ("S", "S_slide")
+        np.testing.assert_allclose(motion.joint_position[:, 1], [0.0, rise], atol=1e-15)
+
+
 def test_loops_of_drake_in_an_sdf_are_read():
     loop = MODEL[MODEL.index('    <joint name="W"') : MODEL.index("    {more}")]
     ball = """<drake:ball_constraint><drake:ball_constraint_body_A>rod</drake:ball_constraint_body_A>
@@ -207,7 +253,10 @@ def test_a_ball_joint_of_the_tree_is_three_revolute_joints():
 SLIDE = "<pose>0.2 0 0 0 0 0</pose>"
 REFUSED = [
     ({"version": "2.0"}, r":1: <sdf>: unknown version '2.0' of SDF"),
-    ({"edit": ('"O" type="revolute"', '"O" type="screw"')}, r':17: <joint name="O">: joint type \'screw\' cannot be read'),
+    ({"edit": ('"O" type="revolute"', '"O" type="planar"')}, r':17: <joint name="O">: joint type \'planar\' cannot be read'),
+    ({"edit": ('"O" type="revolute"', '"O" type="screw"')}, r':17: <joint name="O">: has no pitch; write <screw_thread_pitch>'),
+    ({"more": gearbox("crank", "rod", "frame", 2.0, "1 0 0")}, r':21: <joint name="gear">: its axis is not along that of joint \'O\''),
+    ({"more": gearbox("crank", "frame", "frame", 2.0)}, "no turn of 'crank' or 'frame' against 'frame' is left for it to determine"),
     ({"edit": ('"O" type="revolute"', '"O" type="revolut"')}, "did you mean 'revolute'"),
     ({"axis": "<axxis/>"}, r":17: <axxis> of <joint name=.O.>: unknown element <axxis>, did you mean 'axis'"),
     (

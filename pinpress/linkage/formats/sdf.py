@@ -46,6 +46,7 @@ from .mechanism import (
     Link,
     Loop,
     Mechanism,
+    Relation,
     Shape,
     Spring,
     as_document,
@@ -89,6 +90,7 @@ _ATTRIBUTES = {  # attributes of elements that are read
 _UNSEARCHED = ("plugin", "sensor", "collision", "physics")  # say nothing of the mechanics
 _TURNING = ("revolute", "continuous")
 _CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # numbers of revolute joints that make such a joint of the tree
+_SCREW = "screw"  # a revolute joint, and a prismatic one that follows it
 
 
 def read(document: Document) -> Document:
@@ -302,14 +304,15 @@ class _Reader:
             chains += between
         loops = [self._loop(bearing, frames) for bearing in holding if bearing not in carried.values()]
         loops += self._drake_loops(frames)
-        joints = self._with_gears(joints, geared, carried, frames)
+        joints, relations = self._with_gears(joints, geared, carried, frames)
         for name in sorted(turned_round):
             bearing = bearings[name]
             problem = f"the tree reaches {bearing.parent!r} through {bearing.child!r}: its force is that of {bearing.child!r} on the other"
             self.remarks.append(remark("note", bearing.element, problem, "exchange <parent> and <child> for the other sign"))
         drivers = tuple(self._drivers({joint.name for joint in joints}))
         name, origin = self.model.get("name") or "press", origin_of(self.model)
-        return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, tuple(self.remarks), origin, tuple(self.balls))
+        balls, remarks = tuple(self.balls), tuple(self.remarks)
+        return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, remarks, origin, balls, tuple(relations))
 
     def _root(self, bearings: Sequence[_Bearing]) -> tuple[str, Joint | None]:
         """Name of the root link, and the joint that holds it: the world, if joints connect it, without such a joint; else the link that is
@@ -330,10 +333,9 @@ class _Reader:
     def _bearing(self, name: str, element: Element) -> _Bearing:
         refuse_unknown(self.file, element, _KNOWN["joint"].split())
         kind = element.get("type")
-        types = [*_TURNING, "prismatic", "fixed", "gearbox", *_CHAINS]
+        types = [*_TURNING, "prismatic", "fixed", "gearbox", _SCREW, *_CHAINS]
         if kind not in types:
             remedies = {
-                "screw": "write a prismatic joint",
                 "planar": "write two prismatic joints and a revolute one, with links between them",
                 "floating": "write the joints that guide the link",
             }
@@ -348,7 +350,7 @@ class _Reader:
     def _frame(self, link: str, carrier: _Bearing | None) -> pin.SE3:
         """The frame of a link as URDF has it: that in the file, with its origin moved to that of the joint about which it turns."""
         place = self.place(link, self.links[link])
-        if carrier is None or carrier.type not in (*_TURNING, *_CHAINS):
+        if carrier is None or carrier.type not in (*_TURNING, _SCREW, *_CHAINS):
             return place
         return pin.SE3(place.rotation, carrier.place.translation)
 
@@ -389,25 +391,37 @@ class _Reader:
                 refuse_unknown(self.file, part, _KNOWN[part.tag].split())
         stiffness, reference, damping = (self._number(dynamics, name, 0.0) for name in ("spring_stiffness", "spring_reference", "damping"))
         effort, velocity = (self._limit(limit, name) for name in ("effort", "velocity"))
-        return [
-            Joint(
-                bearing.name,
-                "prismatic" if bearing.type == "prismatic" else "revolute",
-                parent,
-                child,
-                place,
-                axis,
-                origin,
-                limits=self._limits(bearing, limit),
-                effort=effort if 0 <= effort < math.inf else None,
-                velocity=velocity if 0 <= velocity < math.inf else None,
-                damping=damping,
-                friction=self._number(dynamics, "friction", 0.0),
-                follow=self._mimic(bearing, element),
-                spring=Spring(stiffness, reference, damping) if stiffness else None,
-                armature=self._number(bearing.element, ARMATURE, 0.0),
-            )
-        ], []
+        made = Joint(
+            bearing.name,
+            "prismatic" if bearing.type == "prismatic" else "revolute",
+            parent,
+            child,
+            place,
+            axis,
+            origin,
+            limits=self._limits(bearing, limit),
+            effort=effort if 0 <= effort < math.inf else None,
+            velocity=velocity if 0 <= velocity < math.inf else None,
+            damping=damping,
+            friction=self._number(dynamics, "friction", 0.0),
+            follow=self._mimic(bearing, element),
+            spring=Spring(stiffness, reference, damping) if stiffness else None,
+            armature=self._number(bearing.element, ARMATURE, 0.0),
+        )
+        return self._screw(bearing, made) if bearing.type == _SCREW else ([made], [])
+
+    def _screw(self, bearing: _Bearing, turning: Joint) -> tuple[list[Joint], list[Link]]:
+        """The joints of a screw: the one that turns, and one that slides with it. The lead [m a turn] of a right-hand thread is above 0."""
+        lead, classic = (self._number(bearing.element, tag, 0.0) for tag in ("screw_thread_pitch", "thread_pitch"))
+        if not lead and not classic:
+            refuse(self.file, bearing.element, "has no pitch", "write <screw_thread_pitch>, in m a turn, above zero if it is right-handed")
+        per_radian = lead / (2 * math.pi) if lead else -1 / classic  # <thread_pitch> is -2 pi / lead
+        name, place = take(f"{bearing.name}_slide", self.taken), pin.SE3.Identity()
+        follow = Follow(turning.name, per_radian, 0.0, turning.origin)
+        sliding = Joint(name, "prismatic", "", "", place, turning.axis, turning.origin, follow=follow)
+        problem = f"a screw joint is made of two: {turning.name}, which turns, and {name}, which slides with it"
+        self.remarks.append(remark("note", bearing.element, problem, ""))
+        return in_series([turning, sliding], turning.parent, turning.child, [take(f"{bearing.name}_1", self.taken)])
 
     def _limits(self, bearing: _Bearing, limit: Element | None) -> tuple[float, float] | None:
         lower, upper = self._limit(limit, "lower", -1.0), self._limit(limit, "upper")
@@ -476,32 +490,46 @@ class _Reader:
 
     def _with_gears(
         self, joints: list[Joint], geared: Mapping[str, _Bearing], carried: Mapping[str, _Bearing], frames: Mapping[str, pin.SE3]
-    ) -> list[Joint]:
-        """The joints, with gear pairs for gearboxes.
+    ) -> tuple[list[Joint], list[Relation]]:
+        """The joints with the gear pairs of gearboxes, and the relations of those whose reference body turns against joints of the tree.
 
         The angle of the child about axis2 is -ratio times that of the parent about axis, both relative to the reference body.
         """
-        by_name = {joint.name: joint for joint in joints}
+        by_name, relations = {joint.name: joint for joint in joints}, []
+        determined = {joint.name for joint in joints if joint.follow}
         for gearbox in geared.values():
-            ratio = self._number(gearbox.element, "gearbox_ratio", 1.0)
+            ratio, origin = self._number(gearbox.element, "gearbox_ratio", 1.0), origin_of(gearbox.element)
             body = need_child(self.file, gearbox.element, "gearbox_reference_body")
             reference = self._link_of(body.text.strip(), body)
-            signs, names = [], []
-            for link, tag in ((gearbox.parent, "axis"), (gearbox.child, "axis2")):
-                bearing = carried.get(link)
-                if bearing is None or bearing.type not in _TURNING or reference not in (bearing.parent, bearing.child):
-                    problem = f"link {link!r} does not turn in the reference body {reference!r}"
-                    refuse(self.file, gearbox.element, problem, "write revolute joints between the reference body and both links")
-                along = float(frames[link].rotation @ by_name[bearing.name].axis @ self._axis(gearbox, tag))
-                if abs(abs(along) - 1) > 1e-6:
-                    refuse(self.file, gearbox.element, f"its {tag} is not along that of joint {bearing.name!r}", "give them one direction")
-                signs.append(math.copysign(1.0, along))
-                names.append(bearing.name)
-            if by_name[names[1]].follow is not None:
-                refuse(self.file, gearbox.element, f"joint {names[1]!r} follows another one already", "keep one gear pair of a joint")
-            follow = Follow(names[0], -ratio * signs[0] * signs[1], 0.0, origin_of(gearbox.element))
-            by_name[names[1]] = replace(by_name[names[1]], follow=follow)
-        return list(by_name.values())
+            terms: dict[str, float] = {}
+            for link, tag, factor in ((gearbox.child, "axis2", 1.0), (gearbox.parent, "axis", ratio)):
+                axis = self._axis(gearbox, tag)
+                turned, held = _carriers(link, carried), _carriers(reference, carried)
+                own = {name: factor for name in turned if name not in held} | {name: -factor for name in held if name not in turned}
+                for name, sign in own.items():
+                    bearing, carries = (turned | held)[name]
+                    if bearing.type in ("prismatic", "fixed"):
+                        continue
+                    if bearing.type not in (*_TURNING, _SCREW):
+                        problem = f"joint {name!r}, which carries its gears, is {bearing.type}"
+                        refuse(self.file, gearbox.element, problem, "write a revolute one")
+                    along = float(frames[carries].rotation @ by_name[name].axis @ axis)
+                    if abs(abs(along) - 1) > 1e-6:
+                        refuse(self.file, gearbox.element, f"its {tag} is not along that of joint {name!r}", "give them one direction")
+                    terms[name] = terms.get(name, 0.0) + math.copysign(sign, sign * along)
+            terms = {joint: value for joint, value in terms.items() if abs(value) > 1e-9 * max(1.0, abs(ratio))}
+            free = [joint for joint in terms if joint not in determined]
+            if len(terms) < 2 or not free:
+                problem = f"no turn of {gearbox.parent!r} or {gearbox.child!r} against {reference!r} is left for it to determine"
+                refuse(self.file, gearbox.element, problem, "write revolute joints between the reference body and both, one gear pair each")
+            first, determined = free[0], {*determined, free[0]}
+            ordered = {first: 1.0} | {joint: value / terms[first] for joint, value in terms.items() if joint != first}
+            if len(ordered) > 2:
+                relations.append(Relation(gearbox.name, ordered, 0.0, origin))
+            else:
+                ((leader, value),) = list(ordered.items())[1:]
+                by_name[first] = replace(by_name[first], follow=Follow(leader, -value, 0.0, origin))
+        return list(by_name.values()), relations
 
     # ---------------------------------------------------------------------------------------------------------------------------- links
 
@@ -603,3 +631,13 @@ def _rank(bearing: _Bearing) -> int:
     if bearing.element.all(CLOSES):
         return 4
     return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(bearing.type, 2)
+
+
+def _carriers(link: str, carried: Mapping[str, _Bearing]) -> dict[str, tuple[_Bearing, str]]:
+    """The joints of the tree that carry a link, by their names, and the link at the outer end of each, from the link to the root."""
+    chain = {}
+    while link in carried:
+        bearing = carried[link]
+        chain[bearing.name] = bearing, link
+        link = bearing.parent if link == bearing.child else bearing.child
+    return chain

@@ -22,7 +22,7 @@ from ..writing import drawn_text
 from .elements import make_unique, take
 from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape, placements
 from .sdf import ARMATURE, CLOSES, WORLD
-from .urdf import mechanism_of
+from .urdf import mechanism_of, with_machine_elements
 
 LEAST = 1e-15, 1e-18  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
 TYPES = {"spherical": "ball", "revolute": "revolute", "fixed": "fixed"}
@@ -45,11 +45,12 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         PinpressError: a relation of more than two joints, which SDF does not know; the path cannot be written.
 
     Warns:
-        PinpressWarning: the ``<tool>`` of the slide, which is left out; armature, which other programs skip; inertia that no body has,
+        PinpressWarning: machine elements, written as ratios of joints; the ``<tool>`` of the slide, which is left out; armature, which other programs skip; inertia that no body has,
             which Gazebo refuses; a link that had to get another name; damping that is not read back.
     """
+    doubt_machine_elements(press, "Gazebo")
     document = Document(press.file, drawn_text(press))
-    drawn = _with_gears(mechanism_of(document), press.name)
+    drawn = _with_gears(with_machine_elements(mechanism_of(document), press), press.name)
     mechanism = _without_free_joints(drawn, press.root, document.description.bases)
     for element in document.robot.all("link"):
         if element.all("tool"):

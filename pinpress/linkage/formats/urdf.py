@@ -36,6 +36,16 @@ def mechanism_of(document: Document) -> Mechanism:
     )
 
 
+def with_machine_elements(mechanism: Mechanism, press: Linkage) -> Mechanism:
+    """The mechanism of a linkage that is closed where its joints are at zero, with the relations that its machine elements keep."""
+    elements = [(contact.name, press.relations[contact.relation]) for contact in press.contacts if contact.name]
+    relations = (
+        Relation(name, {press.joints[joint]: value for joint, value in relation.coefficients.items()}, 0.0, mechanism.origin)
+        for name, relation in elements
+    )
+    return replace(mechanism, relations=(*mechanism.relations, *relations))
+
+
 def _origin(element: Element) -> Origin:
     return Origin(str(element), element.line)
 
