@@ -107,7 +107,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str], *, home: bool = Fal
         problem = f"{unwritten}: the loops of {press.name} do not close at its home pose; give another, replace(press, home=...)"
         raise AssemblyError(problem, 0.0, float(press.assembly.drawn.gap[0]), press.assembly.drawn.iterations)
     _raise_first(assembly_checks.errors(settle(mount(reached))[0]))
-    return files.write(path, in_dialect(document, dialect))
+    return files.write(path, in_dialect(reached, dialect))
 
 
 def drawn_text(press: Linkage) -> bytes:

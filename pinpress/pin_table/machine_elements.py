@@ -95,7 +95,6 @@ SECTIONS: Mapping[str, Section] = {
         lengths=("module",),
         numbers=("starts", "teeth", "quotient", "pressure_angle", "friction"),
         words={"hand": HANDS},
-        others=(),
         threaded=True,
     ),
 }

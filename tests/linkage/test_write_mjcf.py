@@ -11,6 +11,7 @@ from reference.robots.cases import CASES
 from support import texts
 from support.exploring import examples
 from support.generators import spatial_linkages
+from support.generators.machine_elements import MESHING
 from support.generators.random_linkages import drawn, linkages, servo
 from support.generators.spatial_crank_slide import SPATIAL
 from support.sampling import rest_exhaustive
@@ -250,6 +251,14 @@ def test_an_arm_without_loops_in_its_keyframe_on_a_base_without_moments_of_inert
     compare(pp.load(file), tmp_path)
     assert "arm.xml" in str(check(file))
     assert not check(file).errors
+
+
+@pytest.mark.parametrize("name", MESHING)
+def test_teeth_and_threads_are_equalities_that_move_and_drive_alike(name, tmp_path):
+    press = pp.build(**MESHING[name])
+    assert press.meshes
+    with pytest.warns(pp.PinpressWarning, match="MuJoCo has no teeth and threads: .* their forces on bearings and their losses"):
+        compare(press, tmp_path)
 
 
 def test_a_cam_is_refused(tmp_path):

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from reference.robots.cases import CASES, FOLDER
 from support import texts
 from support.exploring import examples
+from support.generators.machine_elements import MESHING
 from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 
@@ -71,6 +72,20 @@ def test_a_urdf_in_another_dialect_loads_to_the_same_forces(name, dialect, home,
     assert_same(press, again)
     if home:
         assert np.abs(again.closed).max() < 1e-14
+
+
+@pytest.mark.parametrize("name", MESHING)
+@pytest.mark.parametrize("form", ["sdf", "urdf+", "gazebo", "home"])
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # tests of each writer have its remarks
+def test_teeth_and_threads_keep_motion_and_torque(name, form, tmp_path):
+    press, path = pp.build(**MESHING[name]), tmp_path / ("press.sdf" if form == "sdf" else "press.urdf")
+    if form == "urdf+" and name in ("lever gear", "planetary"):
+        with pytest.raises(pp.PinpressError, match=r"has no <coupling> in URDF\+: its joints are not those between two links"):
+            FORMS[form][0](press, path)
+        return
+    again = pp.load(FORMS[form][0](press, path), slide=press.slide)
+    assert_same(press, again, bearings=False)
+    assert set(again.meshes) == (set() if form in ("sdf", "urdf+") else set(press.meshes))
 
 
 FORMS = {  # how a linkage is written, and whether joints are at zero at home then

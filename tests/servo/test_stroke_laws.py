@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.servo import Pendulum, Pulse, ServoDrive, SlideSpeed, Stop, Turn
 from pinpress.common.motion_laws import VDI_LAWS
+from pinpress.servo import Pendulum, Pulse, ServoDrive, SlideSpeed, Stop, Turn
 
 LIMIT = SlideSpeed(0.2, heights=(0.06, 0.0))
 DRAWING = pp.loads.DeepDrawing(1.5e6, 0.06)

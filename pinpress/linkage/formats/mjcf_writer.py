@@ -25,7 +25,7 @@ from ..element import Element
 from ..linkage import Linkage
 from ..text import as_text, opening, tag
 from .elements import make_unique
-from .urdf import place_of
+from .urdf import doubt_machine_elements, place_of
 
 WORLD = "world"
 DRAWN = 1e-9  # coordinates of the closed pose up to which bodies are drawn at zero: less is rounding of the file [rad or m]
@@ -57,7 +57,8 @@ def write_mjcf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         PinpressError: a relation that is a curve, such as a cam; the path cannot be written.
 
     Warns:
-        PinpressWarning: moments of inertia that no body has, which MuJoCo refuses; they are raised in the file.
+        PinpressWarning: machine elements, written as ratios of joints; moments of inertia that no body has, which MuJoCo refuses; they are
+            raised in the file.
     """
     return files.write(path, "\n".join(mjcf(press)).encode())
 
@@ -67,6 +68,7 @@ def mjcf(press: Linkage) -> Iterator[str]:
     for relation in press.relations:
         if relation.curve is not None:
             raise PinpressError(f"{press.name}: MuJoCo has no equality for the curve of joint {relation.name!r}: remove it before writing")
+    doubt_machine_elements(press, "MuJoCo")
     closed = press.closed
     drawn = closed if np.abs(closed).max() > DRAWN else np.zeros_like(closed)
     tree = _Tree.of(press, drawn)

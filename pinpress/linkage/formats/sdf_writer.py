@@ -17,12 +17,13 @@ from ...common.errors import PinpressError, caution
 from ...common.quantities import Array
 from ..document import Document
 from ..linkage import Linkage
+from ..machine_elements import Mesh
 from ..text import MOMENTS, as_text, opening, tag
 from ..writing import drawn_text
 from .elements import make_unique, take
 from .mechanism import Follow, Joint, Link, Loop, Mechanism, Shape, placements
 from .sdf import ARMATURE, CLOSES, WORLD
-from .urdf import mechanism_of, with_machine_elements
+from .urdf import doubt_machine_elements, mechanism_of, with_machine_elements
 
 LEAST = 1e-15, 1e-18  # mass and moments of moving links without mass, as SDF gives a link without them 1 kg and 1 kg m2 [kg, kg m2]
 TYPES = {"spherical": "ball", "revolute": "revolute", "fixed": "fixed"}
@@ -34,8 +35,8 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """Write a linkage as an SDF for Gazebo, and return its path.
 
     SDF has no place for a pose in which a linkage starts: links stand in the closed home pose, and there all joints are at zero; limits,
-    springs and gears are moved with them. Loops are ball, revolute and fixed joints, gear pairs ``<mimic>``, drivers the joints of
-    Gazebo's joint controller. `load` reads the file again; give it gravity and slide.
+    springs and gears are moved with them. Loops are ball, revolute and fixed joints, gear pairs, racks and screws ``<mimic>``, meshing
+    gears gearboxes, drivers the joints of Gazebo's joint controller. `load` reads the file again; give it gravity and slide.
 
     Args:
         press: the linkage.
@@ -45,12 +46,15 @@ def write_sdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         PinpressError: a relation of more than two joints, which SDF does not know; the path cannot be written.
 
     Warns:
-        PinpressWarning: machine elements, written as ratios of joints; the ``<tool>`` of the slide, which is left out; armature, which other programs skip; inertia that no body has,
-            which Gazebo refuses; a link that had to get another name; damping that is not read back.
+        PinpressWarning: machine elements, which become ratios; the ``<tool>`` of the slide, which is left out; armature, which other
+            programs skip; inertia that no body has, which Gazebo refuses; a link that had to get another name; damping that is not read
+            back.
     """
     doubt_machine_elements(press, "Gazebo")
     document = Document(press.file, drawn_text(press))
-    drawn = _with_gears(with_machine_elements(mechanism_of(document), press), press.name)
+    whole, gearboxes = with_machine_elements(mechanism_of(document), press), [mesh.name for mesh in _gearboxes(press)]
+    relations = tuple(relation for relation in whole.relations if relation.name not in gearboxes)
+    drawn = _with_gears(replace(whole, relations=relations), press.name)
     mechanism = _without_free_joints(drawn, press.root, document.description.bases)
     for element in document.robot.all("link"):
         if element.all("tool"):
@@ -99,13 +103,20 @@ def _with_gears(mechanism: Mechanism, name: str) -> Mechanism:
     return replace(mechanism, joints=tuple(geared), relations=())
 
 
+def _gearboxes(press: Linkage) -> list[Mesh]:
+    """Gears that mesh, of which SDF knows the ratio against their carrier."""
+    return [mesh for mesh in press.meshes.values() if mesh.kind == "gears"]
+
+
 class _Writer:
     """Writes a mechanism that is closed where its joints are at zero."""
 
     def __init__(self, mechanism: Mechanism, places: Mapping[str, pin.SE3], press: Linkage) -> None:
         self.mechanism, self.places, self.drivers = mechanism, places, press.motors
         self.root, self.moving = press.root, {link for link, body in press.document.description.bodies.items() if body != press.root}
+        self.gearboxes = _gearboxes(press)
         taken = {joint.name for joint in mechanism.joints} | {loop.name for loop in mechanism.loops}
+        taken |= {gears.name for gears in self.gearboxes}
         self.names = {WORLD: WORLD}  # of links: in SDF they share names with joints
         for name in (link.name for link in mechanism.links if link.name != WORLD):
             self.names[name] = take(name if name not in taken else f"{name}_link", taken)
@@ -129,6 +140,8 @@ class _Writer:
             yield from self._bearing(joint.name, kind, joint.parent, joint.child, self._axis(joint) + rotor)
         for loop in self.mechanism.loops:
             yield from self._loop(loop)
+        for gears in self.gearboxes:
+            yield from self._gearbox(gears)
         if self.drivers:
             driven = "".join(f"<joint_name>{escape(name)}</joint_name>" for name in self.drivers)
             yield f"    {tag('plugin', PLUGIN, driven)}"
@@ -176,6 +189,15 @@ class _Writer:
         (parent, _), (child, place) = loop.ends
         axis = "" if loop.axis is None else tag("axis", {}, f"<xyz>{as_text(loop.axis)}</xyz>")
         yield from self._bearing(loop.name, TYPES[loop.type], parent, child, _pose(place) + axis + tag(CLOSES, {}))
+
+    def _gearbox(self, gears: Mesh) -> Iterator[str]:
+        """Gears of which the child turns -ratio times as far as the parent, both against the carrier. The world is no child."""
+        (parent, child), ratio, axis = gears.links, -gears.ratio, gears.axes[1]
+        if child == self.root:
+            parent, child, ratio, axis = child, parent, 1 / ratio, gears.axes[0]
+        content = _numbers("", {"gearbox_ratio": ratio}) + tag("gearbox_reference_body", {}, escape(self.names[gears.carrier]))
+        content += "".join(tag(name, {}, f"<xyz>{as_text(axis)}</xyz>") for name in ("axis", "axis2"))
+        yield from self._bearing(gears.name, "gearbox", parent, child, content)
 
 
 def _pose(place: pin.SE3) -> str:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from ...common.arguments import LARGEST
+from ...common.errors import caution
 from ...common.quantities import Array
 from .. import description
 from ..document import Document, Origin
 from ..element import Element
+from ..linkage import Linkage
 from ..text import MOMENTS
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Relation, Shape, Spring
 
@@ -44,6 +47,13 @@ def with_machine_elements(mechanism: Mechanism, press: Linkage) -> Mechanism:
         for name, relation in elements
     )
     return replace(mechanism, relations=(*mechanism.relations, *relations))
+
+
+def doubt_machine_elements(press: Linkage, program: str) -> None:
+    """Warn of machine elements that a program knows as ratios between joints alone."""
+    if names := [contact.name for contact in press.contacts if contact.name]:
+        problem = f"{program} has no teeth and threads: {', '.join(names)} became ratios of joints, which move and drive the press alike"
+        caution(f"{press.name}: {problem}; their forces on bearings and their losses are in pinpress alone")
 
 
 def _origin(element: Element) -> Origin:

@@ -7,26 +7,35 @@ from html import escape
 from typing import NoReturn
 
 from ...common.errors import PinpressError
+from ..description import MACHINE_ELEMENTS
 from ..document import Document
+from ..linkage import Linkage
 from ..text import Text, as_text, tag
 from .dialects import BALL, joints_below
 from .mechanism import Loop, Mechanism, Relation, attributes_of_pose
-from .urdf import mechanism_of
+from .urdf import doubt_machine_elements, mechanism_of, with_machine_elements
 
 DIALECTS = ("pinpress", "urdf+", "gazebo", "drake")
 
 
-def in_dialect(document: Document, dialect: str) -> bytes:
-    """The text of a URDF in one of `DIALECTS`; all else in it stays to the byte.
+def in_dialect(press: Linkage, dialect: str) -> bytes:
+    """The text of a linkage's URDF in one of `DIALECTS`; all else in it stays to the byte. Other programs skip ``<relation>`` and machine
+    elements, apart from "urdf+".
 
-    - "urdf+": ``<loop>``, ``<coupling>``, and joints with ``independent="true"`` or "false".
+    - "urdf+": ``<loop>``, ``<coupling>``, also of machine elements, and joints with ``independent="true"`` or "false".
     - "gazebo": ``<gazebo><joint>``. The loops are those of the pose in which joints are at zero, which has to be closed.
     - "drake": ``<drake:ball_constraint>``, for spherical loops alone.
 
     Raises:
         PinpressError: the dialect does not know an element of the linkage, which the message names.
+
+    Warns:
+        PinpressWarning: machine elements, which become couplings or are skipped.
     """
-    text, mechanism = Text(document), mechanism_of(document)
+    document = press.document
+    text, mechanism = Text(document), with_machine_elements(mechanism_of(document), press)
+    if dialect != "pinpress":
+        doubt_machine_elements(press, f"the dialect {dialect}")
     writers: Mapping[str, Callable[[Loop], str]] = {"urdf+": _urdf_plus_loop, "gazebo": _gazebo_loop, "drake": _drake_loop}
     for element, loop in zip(text.robot.all("loop_joint"), mechanism.loops if dialect in writers else (), strict=False):
         text.replace(element, writers[dialect](loop))
@@ -73,7 +82,8 @@ def _write_couplings(text: Text, document: Document, mechanism: Mechanism) -> No
     """Gears as ``<coupling>``: the joints between two links and the nearest one that carries both, and the ratio of their sums."""
     geared = [(joint.name, joint.follow) for joint in mechanism.joints if joint.follow]
     relations = [Relation(name, {name: 1.0, by.leader: -by.multiplier}, by.offset, by.origin) for name, by in geared]
-    elements = [element for joint in text.robot.all("joint") for element in joint.all("mimic")] + list(text.robot.all("relation"))
+    elements = [element for joint in text.robot.all("joint") for element in joint.all("mimic")]
+    elements += [*text.robot.all("relation"), *text.robot.all(*MACHINE_ELEMENTS)]
     for element, relation in zip(elements, (*relations, *mechanism.relations), strict=True):
         text.remove(element)
         text.append(text.robot, _coupling(document, relation))
