@@ -204,6 +204,8 @@ class _UnfitError(Exception):
 def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint]) -> tuple[Placed, ...]:
     """The elements of a URDF in the drawing of its model; raises UrdfError where they cannot mesh."""
     elements = document.description.machine_elements
+    if not elements:
+        return ()
     drawing, result = _Drawing(model, loops), []
     for said in elements:
         try:
