@@ -1,4 +1,4 @@
-"""Machine elements of a pin table: gears, racks, screws and worms, by which two links push on each other.
+"""Machine elements of a pin table: gears, racks, screws, worms and cams, by which two links push on each other.
 
 Here stands what a table says; whether teeth can mesh is judged with the linkage.
 """
@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ..common.errors import suggestion
+from . import cams
 from .formulas import Numbers
 from .links import FRAME, Link
 from .placement import UNITS, Pin, refuse_unless_a_word
@@ -97,6 +98,20 @@ SECTIONS: Mapping[str, Section] = {
         words={"hand": HANDS},
         threaded=True,
     ),
+    "cams": Section(
+        "cam",
+        ("cam", "follower"),
+        {
+            "cam": "name the link that turns: cam: crank",
+            "follower": "name the link that the cam moves: follower: ejector",
+            "radius": "give the distance from the axis of the cam to the centre of the roller at the lift 0: radius: 80",
+            "roller": "give diameter x width of the roller: roller: 40 x 30",
+        },
+        lengths=("radius", "offset", "arm"),
+        numbers=("drawn_at",),
+        words={"kind": ("open", "groove")},
+        others=("at", "law", "lifts"),
+    ),
 }
 
 
@@ -109,8 +124,9 @@ class MachineElement:
         section: where it stands in the table, a key of `SECTIONS`.
         links: attribute of its URDF element -> link or frame: the two that push on each other, and their carrier, if the table names it.
         values: attribute -> number [m or deg, or without unit] or word.
-        centres: attribute -> pin that is the centre of a gear without a bearing of its own.
+        centres: attribute -> pin that is the centre of a gear without a bearing of its own, or of the roller of a cam's follower.
         entry: where it stands in the table.
+        points: elements in its URDF element, as tags with attributes: the law of a cam.
     """
 
     name: str
@@ -119,6 +135,7 @@ class MachineElement:
     values: Mapping[str, float | str]
     centres: Mapping[str, str]
     entry: Entry
+    points: tuple[cams.Point, ...] = ()
 
     @property
     def tag(self) -> str:
@@ -187,11 +204,28 @@ class _Reader:
             values.setdefault("hand", HANDS[0])
         if "helix" in items:
             values |= self._helix(items["helix"])
+        if "follower" in items:
+            return self._cam(MachineElement(name, key, links, values | cams.roller(items["roller"], self.numbers), {}, entry), items)
         centres = self._centres(entry, items, [links[attribute] for attribute in section.bodies]) if "gears" in items else {}
         return MachineElement(name, key, links, values, centres, entry)
 
+    def _cam(self, cam: MachineElement, items: Mapping[str, Entry]) -> MachineElement:
+        """A cam with the centre of its roller, if it is drawn, and with its law."""
+        if ("law" in items) == ("lifts" in items):
+            cam.entry.refuse("it needs a law, or a table of lifts", f"write one of both: {cams.LAW}")
+        follower = self.links.get(cam.links["follower"])
+        points = tuple(cams.points(items, follower is None or follower.guide is not None, self.numbers))
+        if "at" not in items:
+            return replace(cam, points=points)
+        name = items["at"].text("the pin at the centre of the roller")
+        if follower is None or name not in follower.pins:
+            known = () if follower is None else follower.pins
+            items["at"].refuse(f"no pin {name} of {cam.links['follower']}{suggestion(name, known)}", f"name one of {', '.join(known)}")
+        return replace(cam, points=points, centres={"center": name})
+
     def _link(self, entry: Entry) -> str:
         name = entry.text("the name of a link, or frame").strip()
+        name = next((link.name for link in self.links.values() if link.guide is not None and link.guide.name == name), name)
         if name not in (FRAME, *self.links):
             entry.refuse(f"no link {name}{suggestion(name, self.links)}", f"name one of {', '.join((*self.links, FRAME))}")
         return name
@@ -244,6 +278,10 @@ def copies_of(
         yield element
         return
     for suffix, mirrored, in_picture in copies:
+        if mirrored and element.section == "cams":
+            element.entry.refuse(
+                "a mirror image of it would turn the other way", "write the cam and the follower of the image in the table"
+            )
         values = dict(element.values)
         for key, words, changes in (("hand", HANDS, mirrored), ("side", SIDES, in_picture)):
             if changes and key in values:

@@ -40,7 +40,7 @@ BESIDE = {  # sections of a job that may stand in a table -> levels at which the
 }
 LEVELS = {  # the same of the sections of a table
     **dict.fromkeys(("parameters", "pins", "gears"), 1),
-    **dict.fromkeys(("links", "meshes", "racks", "screws", "worms"), 2),
+    **dict.fromkeys(("links", "meshes", "racks", "screws", "worms", "cams"), 2),
     **BESIDE,
 }
 

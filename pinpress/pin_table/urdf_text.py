@@ -146,12 +146,13 @@ class _Writer:
         return f'  <loop_joint name="{loop.name}" type="{kind}">{ends}{axis}</loop_joint>'
 
     def _element(self, element: MachineElement) -> str:
-        """A machine element; the centre of a gear without a bearing of its own is in the frame of its link."""
-        said = {"name": element.name} | dict(element.links)
-        said |= {key: value if isinstance(value, str) else _number(value) for key, value in element.values.items()}
-        for (key, name), link in zip(element.centres.items(), (element.bodies[key == "center2"] for key in element.centres), strict=True):
+        """A machine element; the centre of a roller, or of a gear without a bearing of its own, is in the frame of its link."""
+        said: dict[str, float | str] = {"name": element.name} | dict(element.links)
+        said |= element.values
+        for (key, name), link in zip(element.centres.items(), (element.bodies[key != "center1"] for key in element.centres), strict=True):
             said[key] = _vector(self.places[link].actInv(self.parts.pins[name].point), self.size)
-        return f"  <{element.tag} {' '.join(f'{key}={quoteattr(value)}' for key, value in said.items())}/>"
+        points = "".join(f"<{tag} {_attributes(each)}/>" for tag, each in element.points)
+        return f"  <{element.tag} {_attributes(said)}{f'>{points}</{element.tag}>' if points else '/>'}"
 
 
 def _origin(place: pin.SE3, size: float) -> str:
@@ -195,6 +196,10 @@ def _axes_with_x(direction: Array) -> Array:
     y = np.cross(np.eye(3)[int(np.abs(direction).argmin())], direction)
     y /= np.linalg.norm(y)
     return np.stack([direction, y, np.cross(direction, y)], axis=1)
+
+
+def _attributes(said: Mapping[str, float | str]) -> str:
+    return " ".join(f"{key}={quoteattr(value if isinstance(value, str) else _number(value))}" for key, value in said.items())
 
 
 def _vector(values: Array | Sequence[float], scale: float = 0.0) -> str:
