@@ -2,7 +2,7 @@
 
 A process load may begin or end with its full force. Torque and bearing forces then jump, and their largest values are the limits at one
 side of the jump, which evenly spaced states meet only by chance. Jumps are where the slide passes the ends of the loads' intervals, where
-the slide turns back, and where bearings with friction turn back. All of these are roots of known functions along the motion. States are
+the slide turns back, where bearings with friction turn back, and where the law of a cam has a corner. All of these are roots of known functions along the motion. States are
 added on both sides of each. Smooth peaks are found by parabolas through three states.
 """
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
+from ..engines.cams import CamContact
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion, is_cycle
 from ..loads import caller_laws
@@ -68,7 +69,7 @@ def peak_states(reactions: Reactions, quantities: Callable[[Reactions], Iterable
         return given_states
     crossings, turns = _crossings(reactions, path)
     events = motion.jumps if isinstance(motion, Simulated) else None
-    jumps = np.concatenate([crossings, [] if events is None else events, turns])
+    jumps = np.concatenate([crossings, _corners(reactions, path), [] if events is None else events, turns])
     # nearer than 1e-4 of a step to its dead centre the slide's height does not change in floating point
     distance = path.step * np.repeat([SIDE, 1e-4], [len(jumps) - len(turns), len(turns)])
     sides = path.inside(np.concatenate([jumps - distance, jumps + distance]))
@@ -173,6 +174,29 @@ def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
             # a height within 1e-3 of a step from a dead centre is passed at the dead centre, or by rounding alone
             times.append(edges[np.abs(np.subtract.outer(edges, turns)).min(axis=1, initial=np.inf) > 1e-3 * path.step])
     return np.unique(path.inside(np.concatenate([np.zeros(0), *times]))), turns
+
+
+def _corners(reactions: Reactions, path: _Path) -> Array:
+    """Times (m,) at which acceleration or jerk of the follower of a cam may jump [s]."""
+    press, times = reactions._press, [np.zeros(0)]
+    for cam in (contact for contact in press.contacts if isinstance(contact, CamContact)):
+        joint, states = cam.curve.joint, path.times[: len(reactions.motion.crank_angle)]
+        beyond = cam.angle(reactions.motion.joint_position.T) - cam.law.corners[:, None]
+        if path.closed:
+            states, beyond = np.append(states, path.times[-1]), np.column_stack([beyond, beyond[:, 0]])
+        before = np.signbit(np.sin(beyond))
+        which, k = np.nonzero((before[:, :-1] != before[:, 1:]) & (np.cos(beyond[:, :-1]) > 0.0))
+        corners = cam.law.corners[which]
+
+        def past(times: Array, cam: CamContact = cam, joint: int = joint, corners: Array = corners) -> tuple[Array, Array]:
+            order = np.argsort(times)
+            motion, back = path.at(times[order]), np.argsort(order)
+            angle = cam.angle(motion.joint_position.T)[back] - corners
+            return np.sin(angle), np.cos(angle) * motion.v[back, joint]
+
+        if len(k):
+            times.append(bracketed_roots(past, states[k], states[k + 1], absolute=1e-6 * SIDE * path.step))
+    return np.unique(path.inside(np.concatenate(times)))
 
 
 AlongMotion = Callable[[Motion], tuple[Array, Array]]

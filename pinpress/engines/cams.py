@@ -274,7 +274,7 @@ class CamContact(Contact):
         return np.asarray(np.stack([plane.real, plane.imag], axis=-1) @ self.axes)
 
     def largest(self, of: Callable[[CamStates], Array]) -> tuple[float, float]:
-        """Angle of the law at which a quantity is largest over a turn [rad], and this value; the first one of equal values."""
+        """The largest value of a quantity over a turn, and the angle of the law at which it is reached [rad]; the first one of equal values."""
         first = self.law.points[0].angle
         ends = np.unique([first, *self.law.corners, first + TURN])
         best = (-np.inf, 0.0, 0.0, 0.0)
@@ -293,4 +293,4 @@ class CamContact(Contact):
             if values[k] > value:
                 value, angle = float(values[k]), float(near[k])
             low, high = near[max(k - 1, 0)], near[min(k + 1, len(near) - 1)]
-        return angle % TURN, value
+        return value, angle % TURN

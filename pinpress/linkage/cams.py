@@ -245,11 +245,11 @@ def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> 
     if not made.arm and not abs(made.offset) < made.radius:
         problem = f"its radius is {made.radius:g} m, and the centre of the roller passes the cam at {abs(made.offset):g} m"
         raise _refusal(cam, document, problem, "write a larger radius, or a centre nearer to the line of the guide through the cam")
-    lowest, highest = -made.largest(lambda states: -states.lift)[1], made.largest(lambda states: states.lift)[1]
+    lowest, highest = -made.largest(lambda states: -states.lift)[0], made.largest(lambda states: states.lift)[0]
     if made.start + lowest <= 0.0 or (made.arm and made.start + highest >= np.pi):
         problem = "its lifts lead the roller beyond the line on which it is nearest to or farthest from the cam"
         raise _refusal(cam, document, problem, "write smaller lifts or a larger radius")
-    nearest = -made.largest(lambda states: -np.abs(states.roller))[1]
+    nearest = -made.largest(lambda states: -np.abs(states.roller))[0]
     if nearest <= cam.roller_radius:
         problem = f"its roller has a radius of {cam.roller_radius:g} m, and its centre comes to {nearest:.6g} m from the axis of the cam"
         raise _refusal(cam, document, problem, "write a larger radius or a smaller roller")
@@ -262,7 +262,7 @@ def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> 
             problem = f"its roller is drawn {drawn:.6g} m from the axis of the cam, and the law has it at {wanted:.6g} m at"
             remedy = "draw it there, or write the angle of the law in the drawn pose: drawn_at"
             raise _refusal(cam, document, f"{problem} {math.degrees(angle):g} deg, as in the drawn pose", remedy)
-    angle, curvature = made.largest(lambda states: np.abs(states.curvature) if made.grooved else states.curvature)
+    curvature, angle = made.largest(lambda states: np.abs(states.curvature) if made.grooved else states.curvature)
     if curvature * cam.roller_radius >= 1.0:
         path = f"the path of its roller has a radius of {1 / curvature:.4g} m at {math.degrees(angle):.4g} deg"
         problem = f"the cam is undercut: {path}, not more than that of the roller, {cam.roller_radius:g} m"
@@ -271,7 +271,7 @@ def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> 
 
 def steep(made: CamContact) -> tuple[str, str] | None:
     """Doubt of a pressure angle at which the follower may jam: problem and remedy."""
-    angle, largest = made.largest(lambda states: np.abs(states.pressure_angle))
+    largest, angle = made.largest(lambda states: np.abs(states.pressure_angle))
     limit, of = STEEPEST["arm" if made.arm else "guide"], "an arm" if made.arm else "a guide"
     if math.degrees(largest) <= limit:
         return None

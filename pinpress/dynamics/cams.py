@@ -1,0 +1,214 @@
+"""Cams under load: contact force, pressure angle, curvature and Hertzian pressure, and the speed at which the roller leaves the cam."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..engines.cams import TURN, CamContact
+from ..kinematics.cycle import moved
+from ..kinematics.motion import Motion, blank, finite, is_constant
+from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart
+from .inverse_dynamics import in_other_states
+from .peaks import peak_states
+from .reactions import Reactions
+
+MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]
+CONVERGED, MOST_STEPS = 1e-11, 20  # relative change of the speed of lift-off that is rounding, and number of speeds that are tried
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CamReactions(Tabular, OfPress):
+    """A cam and the roller of its follower over a motion of n states, see `cam`.
+
+    Angles are those of the cam's law. Extremes of forces and pressures are those of the whole motion: at the corners of the law and the
+    steps of loads they are the limits on both sides, and smooth peaks are found between the states. Behind each stands the angle at which
+    it is reached, 0 to 2 pi.
+
+    Attributes:
+        motion: the motion.
+        name: of the cam.
+        grooved: whether the roller is in a groove, which holds it on both sides.
+        angle: (n,) 0 to 2 pi [rad].
+        lift: (n,) of the follower [m; of an arm rad].
+        pressure_angle: (n,) from the way of the roller to the force of the cam, positive against the cam's sense of rotation [rad].
+        pitch_radius: (n,) radius of curvature of the path of the roller's centre on the cam [m]; negative where the cam is hollow.
+        surface_radius: (n,) that of the surface that the roller touches without a groove [m].
+        force: (n,) contact force [N]; positive: the cam pushes the roller away.
+        effort: (n,) force along the guide, or moment about the pivot, that it exerts on the follower [N; of an arm N m].
+        cam_torque: (n,) torque that turns the cam against the contact force [N m].
+        pressure: (n,) Hertzian pressure of the line contact, cam and roller of steel [Pa]; 0 where a roller without a groove is not pushed.
+        largest_pressure_angle: largest size of the pressure angle over a turn of the cam, whatever the motion [rad], and where.
+        least_radius: least radius of the convex surface over a turn of the cam [m], and where.
+        largest_force: [N], and where.
+        least_force: [N], and where. Below 0 the roller leaves a cam without a groove, and the forces are not those of the press.
+        largest_pressure: [Pa], and where.
+        lift_off_speed: speed of the driver at which the least force is 0 under the same loads [rad/s]; 0 where the roller is not pushed at
+            rest. None in a groove, if no speed lifts the roller off, and if the motion has no constant speed of one driver.
+    """
+
+    motion: Motion
+    name: str
+    grooved: bool
+    angle: Array
+    lift: Array
+    pressure_angle: Array
+    pitch_radius: Array
+    surface_radius: Array
+    force: Array
+    effort: Array
+    cam_torque: Array
+    pressure: Array
+    largest_pressure_angle: tuple[float, float]
+    least_radius: tuple[float, float]
+    largest_force: tuple[float, float]
+    least_force: tuple[float, float]
+    largest_pressure: tuple[float, float]
+    lift_off_speed: float | None
+    _press: Linkage
+
+    @property
+    def arm(self) -> bool:
+        """Whether the follower is on an arm, so that lifts are angles."""
+        return bool(_contact(self._press, self.name).arm)
+
+    @property
+    def title(self) -> str:
+        forces = f"contact force {self.least_force[0]:.6g} to {self.largest_force[0]:.6g} N"
+        return f"CamReactions of {self.name} in {self.press_name}: {len(self.angle)} states, {forces}"
+
+    def columns(self) -> dict[str, Array]:
+        """The driver's coordinate, then all quantities of the cam under their names with units."""
+        lift, effort = ("rad", "N m") if self.arm else ("m", "N")
+        units = {"angle": "rad", "lift": lift, "pressure_angle": "rad", "pitch_radius": "m", "surface_radius": "m", "force": "N"}
+        units |= {"effort": effort, "cam_torque": "N m", "pressure": "Pa"}
+        return self.motion.position_columns() | {f"{name} [{unit}]": getattr(self, name) for name, unit in units.items()}
+
+
+@typed
+def cam(press: Linkage, reactions: Reactions, name: str) -> CamReactions:
+    """Find pressure angle, curvature, contact force and Hertzian pressure of a cam, and the speed at which its roller leaves it.
+
+    Args:
+        press: the press.
+        reactions: its reactions to a motion.
+        name: of the cam.
+
+    Raises:
+        UnknownNameError: the press has no cam of this name.
+        PinpressError: the reactions are of another press, or a force is not finite.
+    """
+    contact = _contact(press, name)
+    if not is_same_press(press, reactions._press):
+        raise PinpressError(f"the reactions are of {told_apart(reactions._press, press)}: give reactions of {press.name}")
+    states = _states(contact, reactions)
+    finite(f"force in {name}", states.force)
+    peaks = _states(contact, peak_states(reactions, lambda each: _states(contact, each)[-4:]).reactions)
+    at = contact.at(states.angle)
+    with np.errstate(divide="ignore"):
+        pitch_radius = 1.0 / at.curvature
+    curvature, sharpest = contact.largest(lambda each: each.curvature)
+    return CamReactions(
+        motion=reactions.motion,
+        name=name,
+        grooved=contact.grooved,
+        angle=states.angle % TURN,
+        lift=at.lift,
+        pressure_angle=at.pressure_angle,
+        pitch_radius=pitch_radius,
+        surface_radius=pitch_radius - contact.roller_radius,
+        force=states.force,
+        effort=states.effort,
+        cam_torque=states.torque,
+        pressure=states.pressure,
+        largest_pressure_angle=contact.largest(lambda each: np.abs(each.pressure_angle)),
+        least_radius=(1.0 / curvature - contact.roller_radius if curvature > 0.0 else math.inf, sharpest),
+        largest_force=_extreme(peaks, peaks.force, np.argmax),
+        least_force=_extreme(peaks, peaks.force, np.argmin),
+        largest_pressure=_extreme(peaks, peaks.pressure, np.argmax),
+        lift_off_speed=None if contact.grooved else _lift_off_speed(contact, reactions),
+        _press=press,
+    )
+
+
+class _States(NamedTuple):
+    """Angle of the law, contact force, effort on the follower, torque on the cam and Hertzian pressure in n states: (n,) each."""
+
+    angle: Array
+    force: Array
+    effort: Array
+    torque: Array
+    pressure: Array
+
+
+def _contact(press: Linkage, name: str) -> CamContact:
+    cams = {contact.name: contact for contact in press.contacts if isinstance(contact, CamContact)}
+    if name not in cams:
+        raise UnknownNameError("cam", name, cams)
+    return cams[name]
+
+
+def _states(contact: CamContact, reactions: Reactions) -> _States:
+    motion = reactions.motion
+    angle = contact.angle(motion.joint_position.T)
+    at, effort = contact.at(angle), _effort(contact, reactions)
+    force = effort / at.leverage
+    on_inner_flank = 1.0 / contact.roller_radius + at.curvature / (1.0 - at.curvature * contact.roller_radius)
+    on_outer_flank = 1.0 / contact.roller_radius - at.curvature / (1.0 + at.curvature * contact.roller_radius)
+    relative = np.where(force >= 0.0, on_inner_flank, on_outer_flank)
+    pushing = np.abs(force) if contact.grooved else np.maximum(force, 0.0)
+    pressure = np.sqrt(pushing * MODULUS * relative / (2 * np.pi * (1.0 - POISSON**2) * contact.roller_width))
+    return _States(angle, force, effort, effort * at.slope, pressure)
+
+
+def _effort(contact: CamContact, reactions: Reactions) -> Array:
+    """Effort (n,) of the cam on its follower, positive away from the cam [N; of an arm N m]."""
+    return contact.sense * blank(reactions.motion, reactions._complete.relations[contact.relation])
+
+
+def _extreme(states: _States, values: Array, choose: Callable[[Array], np.intp]) -> tuple[float, float]:
+    k = int(choose(values))
+    return float(values[k]), float(states.angle[k] % TURN)
+
+
+def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
+    """The speed of the driver at which the least effort on the follower is 0.
+
+    Inertia forces grow with the square of the speed. So two speeds tell the whole if no load depends on the speed; with other loads, the
+    line through two speeds is drawn again from where the last one has led.
+    """
+    motion, press = reactions.motion, reactions._press
+    if len(press.drivers) > 1 or not is_constant(motion.crank_speed) or not motion.crank_speed.any():
+        return None
+    share = 1.0
+    for _ in range(MOST_STEPS):
+
+        def at_rest_and_need(each: Reactions, share: float = share) -> Iterator[Array]:
+            fast, slow = (_effort(contact, in_other_states(each, _at_other_speed(press, each.motion, speed))) for speed in (share, 0.5 * share))
+            by_square = (fast - slow) / (0.75 * share**2)
+            at_rest = fast - share**2 * by_square
+            yield from (at_rest, -by_square / np.where(at_rest > 0.0, at_rest, 1.0))
+
+        at_rest, need = at_rest_and_need(peak_states(reactions, at_rest_and_need).reactions)
+        if at_rest.min() <= 0.0:
+            return 0.0
+        if need.max() <= 0.0:
+            return None
+        before, share = share, float(need.max() ** -0.5)
+        if abs(share - before) <= CONVERGED * share:
+            return share * float(abs(motion.crank_speed[0]))
+    raise PinpressError(f"the speed at which the roller of {contact.name} leaves the cam is not found: loads change too much with the speed")
+
+
+def _at_other_speed(press: Linkage, motion: Motion, share: float) -> Motion:
+    """The same positions with speeds multiplied by a share, at the same times."""
+    speed, acceleration = share * motion.crank_speed, share**2 * motion.crank_acceleration
+    return moved(press, press.branch_through_change_points, motion.crank_angle, speed, acceleration, motion._time, "auto")
