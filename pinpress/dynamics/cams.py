@@ -46,7 +46,8 @@ class CamReactions(Tabular, OfPress):
         effort: (n,) force along the guide, or moment about the pivot, that it exerts on the follower [N; of an arm N m].
         cam_torque: (n,) torque that turns the cam against the contact force [N m].
         pressure: (n,) Hertzian pressure of the line contact, cam and roller of steel [Pa]; 0 where a roller without a groove is not pushed.
-        largest_pressure_angle: largest size of the pressure angle over a turn of the cam, whatever the motion [rad], and where.
+        largest_pressure_angle: largest size of the pressure angle over a turn of the cam [rad], and where; without a groove that of the
+            rises, on which the cam drives its follower.
         least_radius: least radius of the convex surface over a turn of the cam [m], and where.
         largest_force: [N], and where.
         least_force: [N], and where. Below 0 the roller leaves a cam without a groove, and the forces are not those of the press.
@@ -129,7 +130,7 @@ def cam(press: Linkage, reactions: Reactions, name: str) -> CamReactions:
         effort=states.effort,
         cam_torque=states.torque,
         pressure=states.pressure,
-        largest_pressure_angle=contact.largest(lambda each: np.abs(each.pressure_angle)),
+        largest_pressure_angle=contact.largest_pressure_angle(_way(reactions.motion.v[:, contact.curve.joint])),
         least_radius=(1.0 / curvature - contact.roller_radius if curvature > 0.0 else math.inf, sharpest),
         largest_force=_extreme(peaks, peaks.force, np.argmax),
         least_force=_extreme(peaks, peaks.force, np.argmin),
@@ -174,6 +175,11 @@ def _effort(contact: CamContact, reactions: Reactions) -> Array:
     return contact.sense * blank(reactions.motion, reactions._complete.relations[contact.relation])
 
 
+def _way(rate: Array) -> float:
+    """1 or -1 if a joint turns one way at these rates (n,), else 0."""
+    return float(np.sign(rate.min()) if np.sign(rate.min()) == np.sign(rate.max()) else 0.0)
+
+
 def _extreme(states: _States, values: Array, choose: Callable[[Array], np.intp]) -> tuple[float, float]:
     k = int(choose(values))
     return float(values[k]), float(states.angle[k] % TURN)
@@ -192,7 +198,9 @@ def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
     for _ in range(MOST_STEPS):
 
         def at_rest_and_need(each: Reactions, share: float = share) -> Iterator[Array]:
-            fast, slow = (_effort(contact, in_other_states(each, _at_other_speed(press, each.motion, speed))) for speed in (share, 0.5 * share))
+            fast, slow = (
+                _effort(contact, in_other_states(each, _at_other_speed(press, each.motion, speed))) for speed in (share, 0.5 * share)
+            )
             by_square = (fast - slow) / (0.75 * share**2)
             at_rest = fast - share**2 * by_square
             yield from (at_rest, -by_square / np.where(at_rest > 0.0, at_rest, 1.0))
@@ -205,7 +213,9 @@ def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
         before, share = share, float(need.max() ** -0.5)
         if abs(share - before) <= CONVERGED * share:
             return share * float(abs(motion.crank_speed[0]))
-    raise PinpressError(f"the speed at which the roller of {contact.name} leaves the cam is not found: loads change too much with the speed")
+    raise PinpressError(
+        f"the speed at which the roller of {contact.name} leaves the cam is not found: loads change too much with the speed"
+    )
 
 
 def _at_other_speed(press: Linkage, motion: Motion, share: float) -> Motion:

@@ -2,8 +2,8 @@
 
 A process load may begin or end with its full force. Torque and bearing forces then jump, and their largest values are the limits at one
 side of the jump, which evenly spaced states meet only by chance. Jumps are where the slide passes the ends of the loads' intervals, where
-the slide turns back, where bearings with friction turn back, and where the law of a cam has a corner. All of these are roots of known functions along the motion. States are
-added on both sides of each. Smooth peaks are found by parabolas through three states.
+the slide turns back, where bearings with friction turn back, and where the law of a cam has a corner. All of these are roots of known
+functions along the motion. States are added on both sides of each. Smooth peaks are found by parabolas through three states.
 """
 
 from __future__ import annotations

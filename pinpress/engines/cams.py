@@ -273,8 +273,14 @@ class CamContact(Contact):
     def _in_space(self, plane: ComplexArray) -> Array:
         return np.asarray(np.stack([plane.real, plane.imag], axis=-1) @ self.axes)
 
+    def largest_pressure_angle(self, way: float = 1.0) -> tuple[float, float]:
+        """The largest size of the pressure angle over a turn and the angle of the law at which it is reached [rad]: of an open cam where it
+        pushes its follower away as it turns one ``way``, 1 or -1; 0 for both ways, which is that of a groove."""
+        way = 0.0 if self.grooved else way
+        return self.largest(lambda states: np.where(way * states.slope >= 0.0, np.abs(states.pressure_angle), 0.0))
+
     def largest(self, of: Callable[[CamStates], Array]) -> tuple[float, float]:
-        """The largest value of a quantity over a turn, and the angle of the law at which it is reached [rad]; the first one of equal values."""
+        """The largest value of a quantity over a turn, and the first angle of the law at which it is reached [rad]."""
         first = self.law.points[0].angle
         ends = np.unique([first, *self.law.corners, first + TURN])
         best = (-np.inf, 0.0, 0.0, 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypedDict
 
@@ -19,12 +19,14 @@ from ..engines.structure import axes
 from .element import Element
 
 if TYPE_CHECKING:
-    from .description import Description, Point
+    from .checks.grammar import Problem
+    from .description import Description, Joint, Point
     from .document import Document
 
 KINDS = ("open", "groove")
 STEEPEST = {"guide": 30.0, "arm": 45.0}  # pressure angle above which a follower may jam [deg]
 IN_PLANE = 1e-6  # sine of an angle up to which a direction counts as drawn right: files round them to some six digits
+ROUNDED = 1e-9  # share of the largest lift that is rounding
 DRAWN = 1e-3  # share of the radius by which the drawn roller may be away from where the law has it: drawings are rounded
 
 
@@ -47,7 +49,7 @@ class Cam:
     follower: str
     radius: float
     roller_radius: float
-    roller_width: float = 0.0
+    roller_width: float
     offset: float | None = None
     arm: float | None = None
     center: Point | None = None
@@ -58,49 +60,85 @@ class Cam:
     line: int = 0
 
 
-def points_of(element: Element) -> tuple[CamPoint, ...]:
-    """The points of a ``<cam>``, in the units of the file."""
-    result = []
+def cam_of(element: Element) -> Cam:
+    """What a ``<cam>`` says; its points are in the units of the file."""
+    offset, arm, drawn_at = (next(iter(element.numbers(name)), None) for name in ("offset", "arm", "drawn_at"))
+    center = element.numbers("center")
+    points = []
     for point in element.all("point", "row"):
         slope, bend = (next(iter(point.numbers(name)), None) for name in ("slope", "bend"))
-        result.append(CamPoint(point.number("angle", 0.0), point.number("lift", 0.0), point.get("law"), slope, bend))
-    return tuple(result)
+        points.append(CamPoint(point.number("angle", 0.0), point.number("lift", 0.0), point.get("law"), slope, bend))
+    name, cam, follower = (element.get(each) for each in ("name", "cam", "follower"))
+    radius, roller_radius, roller_width = (element.number(each, 0.0) for each in ("radius", "roller_radius", "roller_width"))
+    return Cam(
+        name,
+        cam,
+        follower,
+        radius,
+        roller_radius,
+        roller_width,
+        offset,
+        arm,
+        (center[0], center[1], center[2]) if center else None,
+        element.get("kind") or KINDS[0],
+        drawn_at,
+        tuple(points),
+        bool(element.all("row")),
+        element.line,
+    )
 
 
-def problems(element: Element, cam: Cam, description: Description) -> Iterator[tuple[Element, str, str]]:
-    """Problems of a cam that the element shows without the drawing: element, problem and remedy."""
-    carriers, bodies = description.carriers, description.bodies
-    for name in (cam.cam, cam.follower):
-        if name not in description.links:
-            yield element, f"no link {name!r}{suggestion(name, description.links)}", "name links of this file"
-        elif not description.moves(name):
-            yield element, f"link {name!r} does not move", "name a cam that turns, and a follower that a guide or a pivot carries"
-    if not all(name in description.links and description.moves(name) for name in (cam.cam, cam.follower)):
+def problems(robot: Element, description: Description) -> Iterator[Problem]:
+    """Problems of cams that their elements show without the drawing."""
+    moved: set[str] = set()
+    for element, cam in zip(robot.all("cam"), description.cams, strict=True):
+        links = [link for link in (cam.cam, cam.follower) if link]
+        unknown = [link for link in links if link not in description.links]
+        standing = [link for link in links if link in description.links and not description.moves(link)]
+        for link in unknown:
+            yield element, f"no link {link!r}{suggestion(link, description.links)}", "name a link of this press"
+        for link in standing:
+            yield element, f"link {link!r} does not move", "name a cam that turns, and a follower that a guide or a pivot carries"
+        if len(links) == 2 and not unknown and not standing:
+            turning, following = (description.carriers[description.bodies[link]] for link in links)
+            yield from ((element, *said) for said in _joint_problems(cam, turning, following, description, following.name in moved))
+            guided = following.type == "prismatic"
+            yield from ((element, *said) for said in _number_problems(element, cam, guided))
+            yield from ((element, *said) for said in _law_problems(element, cam, guided))
+            moved.add(following.name)
+
+
+def _joint_problems(cam: Cam, turning: Joint, following: Joint, description: Description, moved: bool) -> Iterator[tuple[str, str]]:
+    if turning.name == following.name:
+        yield "cam and follower are one body", "name two links that move against each other"
         return
-    turning, following = (carriers[bodies[name]] for name in (cam.cam, cam.follower))
     if turning.type not in ("revolute", "continuous"):
-        yield element, f"the cam {cam.cam!r} does not turn: joint {turning.name!r} is {turning.type}", "name a link that a pin carries"
-    if bodies[turning.parent] != bodies[following.parent]:
-        apart = f"the cam turns in {bodies[turning.parent]!r}, the follower moves in {bodies[following.parent]!r}"
-        yield element, apart, "name a cam and a follower that one link carries"
-    if cam.cam == cam.follower:
-        yield element, "cam and follower are one link", "name two links"
-    rivals = {joint.name: "a gear pair moves it" for joint in description.joints if joint.mimic}
-    rivals |= dict.fromkeys(description.drivers, "it is driven")
-    rivals |= {relation.joints[0]: f"relation {relation.name!r} moves it" for relation in description.relations if relation.joints}
-    if following.name in rivals:
-        problem = f"joint {following.name!r} of the follower obeys the cam, and {rivals[following.name]}"
-        yield element, problem, "remove the cam or the other one"
-    yield from ((element, *said) for said in _number_problems(element, cam, following.type == "prismatic"))
-    points = _points(cam, following.type != "prismatic")
+        yield f"the cam {cam.cam!r} does not turn: joint {turning.name!r} is {turning.type}", "name a link that a pin carries"
+    carriers = [description.bodies[joint.parent] for joint in (turning, following)]
+    if carriers[0] != carriers[1]:
+        apart = f"{carriers[0]!r} carries the cam {cam.cam!r}, and {carriers[1]!r} the follower {cam.follower!r}"
+        yield apart, "name a cam and a follower that one link carries"
+    rivals = [f"relation {each.name!r} moves it" for each in description.relations if each.joints[:1] == (following.name,)]
+    rivals += ["it is geared"] if following.mimic else []
+    rivals += ["it is driven"] if following.name in description.drivers else []
+    rivals += ["another cam moves it"] if moved else []
+    if rivals:
+        problem = f"joint {following.name!r} of the follower obeys the cam, and {' and '.join(rivals)}"
+        yield problem, "remove one of them"
+
+
+def _law_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple[str, str]]:
+    points = _points(cam, not guided)
     if element.all("point") and element.all("row"):
-        yield element, "has points of a law and rows of a table", "write one of both"
-    elif said := law_problem(points, cam.tabulated, "m" if following.type == "prismatic" else "rad"):
-        yield element, *said
-    elif not cam.center and cam.drawn_at is None and abs(lift := float(CamLaw(points, cam.tabulated)(np.zeros(1))[0][0])) > 1e-9:
-        shown = f"{lift:.6g} m" if following.type == "prismatic" else f"{math.degrees(lift):.6g} deg"
-        problem = f"its law has the lift {shown} at 0 deg, the drawn pose, where the coordinate of the follower is 0"
-        yield element, problem, "draw the press where the lift is 0, or write the angle at which it is drawn with its lift: drawn_at"
+        yield "has points of a law and rows of a table", "write one of both"
+    elif said := law_problem(points, cam.tabulated, "m" if guided else "rad"):
+        yield said
+    elif not cam.center and cam.drawn_at is None:
+        lift = float(CamLaw(points, cam.tabulated)(np.zeros(1))[0][0])
+        if abs(lift) > ROUNDED * max(abs(point.lift) for point in points):
+            shown = f"{lift:.6g} m" if guided else f"{math.degrees(lift):.6g} deg"
+            problem = f"its law has the lift {shown} at 0 deg, in the drawn pose, and the coordinate of the follower is 0 there"
+            yield problem, "draw the press where the lift is 0, or write the angle of the law at which it is drawn: drawn_at"
 
 
 def _number_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple[str, str]]:
@@ -139,11 +177,18 @@ def relation(cam: Cam, document: Document, model: pin.Model) -> Relation:
     law = CamLaw(tuple(point._replace(lift=lift, slope=slope, bend=bend) for point, lift, slope, bend in signed), cam.tabulated)
     curve = Curve(turning, law, math.radians(cam.drawn_at or 0.0))
     found = Relation(cam.name, {following: 1.0}, 0.0, cam.line, curve).through(np.zeros(model.nv))
-    _check(cam, document, model, contact(cam, 0, found, document, model))
+    _check(cam, document, model, _contact(cam, 0, found, document, model))
     return found
 
 
-def contact(cam: Cam, k: int, relation: Relation, document: Document, model: pin.Model) -> CamContact:
+def contacts(document: Document, model: pin.Model, relations: Sequence[Relation]) -> tuple[CamContact, ...]:
+    """The contacts of all cams, whose relations are among these by their names."""
+    indices = {relation.name: k for k, relation in enumerate(relations)}
+    said = document.description.cams
+    return tuple(_contact(cam, indices[cam.name], relations[indices[cam.name]], document, model) for cam in said)
+
+
+def _contact(cam: Cam, k: int, relation: Relation, document: Document, model: pin.Model) -> CamContact:
     """The contact of a cam, whose relation is the k-th one of the linkage."""
     turning, following = _joints(cam, document, model)
     assert relation.curve is not None
@@ -271,7 +316,7 @@ def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> 
 
 def steep(made: CamContact) -> tuple[str, str] | None:
     """Doubt of a pressure angle at which the follower may jam: problem and remedy."""
-    largest, angle = made.largest(lambda states: np.abs(states.pressure_angle))
+    largest, angle = made.largest_pressure_angle()
     limit, of = STEEPEST["arm" if made.arm else "guide"], "an arm" if made.arm else "a guide"
     if math.degrees(largest) <= limit:
         return None

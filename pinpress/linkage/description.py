@@ -15,11 +15,12 @@ from typing import Any
 from ..common.arguments import LARGEST
 from ..common.parameters import Checked, parameter
 from ..common.quantities import Values
+from .cams import Cam, cam_of
 from .element import Element
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
 MOST = dict.fromkeys(("link", "joint", "relation", "joint_spring", "armature", "material"), 1000) | dict.fromkeys(
-    ("loop_joint", "transmission", "gear_mesh", "rack", "screw", "worm"), 500
+    ("loop_joint", "transmission", "gear_mesh", "rack", "screw", "worm", "cam"), 500
 )
 DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
 
@@ -229,6 +230,7 @@ class Description:
     relations: tuple[Relation, ...] = ()
     home: Mapping[str, float] = field(default_factory=dict)
     machine_elements: tuple[MachineElement, ...] = ()
+    cams: tuple[Cam, ...] = ()
 
     @cached_property
     def types(self) -> dict[str, str]:
@@ -323,7 +325,8 @@ def describe(robot: Element) -> Description:
     relations = tuple(_relation(relation) for relation in robot.all("relation"))
     home = {joint.get("name"): joint.number("position", 0.0) for home in robot.all("home") for joint in home.all("joint")}
     elements = tuple(machine_element(element) for element in robot.all(*MACHINE_ELEMENTS))
-    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations, home, elements)
+    cams = tuple(cam_of(element) for element in robot.all("cam"))
+    return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations, home, elements, cams)
 
 
 def _drivers(robot: Element) -> list[str]:

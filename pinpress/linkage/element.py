@@ -23,8 +23,9 @@ _ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 # Attributes that hold no numbers; those of `_COUNTS` hold several, all others one.
 _OF_MESHES = ("gear1", "gear2", "pinion", "rack", "screw", "nut", "worm", "wheel", "carrier", "hand", "side", "double_helical")
-_TEXTS = ("link", "joint", "filename", "name", "type", "version", "independent", *_OF_MESHES)
-_COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4, "center1": 3, "center2": 3}
+_OF_CAMS = "cam", "follower", "kind", "law"
+_TEXTS = ("link", "joint", "filename", "name", "type", "version", "independent", *_OF_MESHES, *_OF_CAMS)
+_COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4, "center": 3, "center1": 3, "center2": 3}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 

@@ -29,6 +29,7 @@ from ..engines.spatial.engine import SpatialEngine
 from ..engines.spatial.equations import Loops
 from ..engines.spatial.frames import Frame, moving_frame, placed_frame
 from ..engines.structure import Axis, Slot, Structure, build_structure, configuration
+from . import cams
 from .assembly import (
     Assembly,
     assemble,
@@ -123,9 +124,11 @@ class Linkage(Frozen):
             joint, problem = wrong
             body = f"link {self.link_of(joint)!r}, with all that is welded to it,"
             raise PinpressError(f"{self.name}: {body} has {problem}: give inertias of bodies, in kg and kg m2 about the centre of mass")
-        if self.contacts and self.document.description.machine_elements:  # of another model they are elsewhere
+        said = self.document.description
+        if self.contacts and (said.machine_elements or said.cams):  # of another model they are elsewhere
             with contextlib.suppress(UrdfError):  # lengths that deviate a little leave gears as they were
-                vars(self)["contacts"] = contacts_of(self._elements, self.relations)
+                of_cams = cams.contacts(self.document, self.model, self.relations)
+                vars(self)["contacts"] = contacts_of(self._elements, self.relations) + of_cams
 
     def __repr__(self) -> str:
         passive = f", passive {', '.join(self.passive)}" if self.passive else ""

@@ -15,7 +15,7 @@ from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution,
 from ..common.files import alike, path_of
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, Relation, gear
-from . import machine_elements
+from . import cams, machine_elements
 from .checks import assembly as assembly_checks
 from .checks import elements as element_checks
 from .description import Description, Loop
@@ -195,7 +195,8 @@ def build(
         for j in description.joints
         if j.mimic
     )
-    relations = (*mimics, *(_relation(relation, places) for relation in description.relations))
+    related = (_relation(relation, places) for relation in description.relations)
+    relations = (*mimics, *related, *(cams.relation(cam, document, model) for cam in description.cams))
     elements = machine_elements.placed(document, model, loops)
     of_elements = machine_elements.relations_of(document, elements, model, loops, [places[driver] for driver in drivers], relations)
     return Linkage(
@@ -209,7 +210,7 @@ def build(
         drivers=drivers,
         slide=_slide(description, slide, drivers),
         joint_springs=description.joint_springs,
-        contacts=machine_elements.contacts_of(elements, relations + of_elements),
+        contacts=machine_elements.contacts_of(elements, relations + of_elements) + cams.contacts(document, model, relations),
     )
 
 

@@ -9,6 +9,7 @@ name="added_ballast">`` where it is; read again, it tells what was added to the 
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -288,7 +289,8 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
 
 def _of_elements(press: Linkage) -> set[str]:
     """Names of the machine elements of a linkage, whose relations follow from the drawing."""
-    return {said.name for said in press.document.description.machine_elements}
+    said = press.document.description
+    return {each.name for each in (*said.machine_elements, *said.cams)}
 
 
 def _written(press: Linkage) -> list[Relation]:
@@ -297,9 +299,9 @@ def _written(press: Linkage) -> list[Relation]:
 
 
 def _row(relation: Relation, width: int) -> list[float]:
-    """Coefficients and offset of a relation, whichever joint it determines."""
-    by = relation.coefficients[min(relation.coefficients)]
-    return [relation.coefficients.get(joint, 0.0) / by for joint in range(width)] + [relation.offset / by]
+    """Coefficients and offset of a relation, whichever joint it determines, and where its curve starts."""
+    by, start = relation.coefficients[min(relation.coefficients)], 0.0 if relation.curve is None else relation.curve.start
+    return [relation.coefficients.get(joint, 0.0) / by for joint in range(width)] + [relation.offset / by, start]
 
 
 # Arrays of the model, by the attributes that they are read from.
@@ -330,6 +332,10 @@ def edit_text(document: Document, before: Linkage, now: Linkage) -> bytes:
         text.set(mimic, _attributes_of_changes({"multiplier": (old.multiplier, pair.multiplier), "offset": (old.offset, pair.offset)}))
         if pair.leader != old.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
+    starts = [{each.name: each.curve.start for each in press.relations if each.curve} for press in (before, now)]
+    for cam in text.robot.all("cam"):
+        old_start, start = (of[cam.get("name")] for of in starts)
+        text.set(cam, {"drawn_at": as_text([math.degrees(start)])} if start != old_start else {})
     for element, was, relation in zip(text.robot.all("relation"), was_related[count:], related[count:], strict=True):
         if (relation.coefficients, relation.offset) != (was.coefficients, was.offset):
             text.set(element, {"offset": as_text([relation.offset])})

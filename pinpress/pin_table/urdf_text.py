@@ -147,7 +147,7 @@ class _Writer:
 
     def _element(self, element: MachineElement) -> str:
         """A machine element; the centre of a roller, or of a gear without a bearing of its own, is in the frame of its link."""
-        said: dict[str, float | str] = {"name": element.name} | dict(element.links)
+        said: dict[str, float | str] = {"name": element.name, **element.links}
         said |= element.values
         for (key, name), link in zip(element.centres.items(), (element.bodies[key != "center1"] for key in element.centres), strict=True):
             said[key] = _vector(self.places[link].actInv(self.parts.pins[name].point), self.size)

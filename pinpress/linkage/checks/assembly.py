@@ -13,12 +13,14 @@ from ...common.errors import AssemblyError, PinpressError, SingularityError, Urd
 from ...common.plausibility import UNWEIGHED
 from ...common.quantities import Array
 from ...engines.branch import MOST_TURNS, Branch, predict
+from ...engines.cams import CamContact
 from ...engines.constraints import LoopJoint
 from ...engines.mounting import Mounting, within
 from ...engines.pinocchio.equations import Rows
 from ...engines.planar.model import PARALLEL
 from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
+from .. import cams
 from ..document import Finding
 from ..driving.freedoms import Freedom, generic_ways
 from ..home import FAR, HOME, POSE, ROUNDED, nearby
@@ -287,6 +289,7 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
         quick: whether only warnings that are found quickly are wanted, about files that probably describe another linkage than was meant.
         centres: whether centres of mass are checked.
     """
+    yield from _steep_cams(press)
     if quick:
         # A gap of a hundredth of the linkage is probably a mistake, and so is any that a joint has to move by 0.05 rad or m to close.
         far = np.abs(press.closed - press.assembly.start).max() > 0.05
@@ -319,6 +322,13 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
     yield from _gears_without_carrier(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
+
+
+def _steep_cams(press: Linkage) -> Iterator[Finding]:
+    """Warnings of cams whose followers may jam."""
+    for contact in press.contacts:
+        if isinstance(contact, CamContact) and (doubt := cams.steep(contact)):
+            yield Finding("warning", press.document.called("cam", contact.name), press.relations[contact.relation].line, *doubt)
 
 
 def _driver(press: Linkage) -> tuple[Branch | None, list[Finding]]:

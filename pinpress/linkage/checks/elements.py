@@ -16,11 +16,14 @@ import numpy as np
 
 from ...common.arguments import LARGEST
 from ...common.errors import UrdfError, odd_character, suggestion
+from .. import cams
 from ..description import DEEPEST_JOINTS, MACHINE_ELEMENTS, MOST, Description, Joint, has_mass, names
 from ..document import Document, Finding
 from ..element import Element
 from . import grammar, machine_elements
 from .grammar import Problem, warning
+
+CONTACTS = (*MACHINE_ELEMENTS, "cam")  # tags of elements through which bodies push on each other
 
 
 def errors(document: Document) -> list[Finding]:
@@ -42,6 +45,7 @@ def errors(document: Document) -> list[Finding]:
             _spring_problems(robot, description),
             _relation_problems(robot, description),
             machine_elements.problems(robot, description),
+            cams.problems(robot, description),
             _transmission_problems(robot, description),
             _home_problems(robot, description),
             _tree_problems(robot, description),
@@ -65,7 +69,7 @@ def _robot_problems(robot: Element) -> Iterator[Problem]:
 def _name_problems(robot: Element) -> Iterator[Problem]:
     joints = set(names(robot, "joint"))
     bearings = joints | set(names(robot, "loop_joint"))
-    for tags in ("link",), ("joint",), ("loop_joint",), ("relation",), tuple(MACHINE_ELEMENTS), ("material",):
+    for tags in ("link",), ("joint",), ("loop_joint",), ("relation",), CONTACTS, ("material",):
         first: dict[str, Element] = {}
         for element in robot.all(*tags):
             tag = element.tag
@@ -74,7 +78,7 @@ def _name_problems(robot: Element) -> Iterator[Problem]:
                 yield element, "has no name", f'write <{tag} name="...">'
             elif name in first:
                 yield element, f"the name is already that of the <{first[name].tag}> on line {first[name].line}", "give each its own name"
-            elif (tag == "loop_joint" and name in joints) or (tag in MACHINE_ELEMENTS and name in bearings):
+            elif (tag == "loop_joint" and name in joints) or (tag in CONTACTS and name in bearings):
                 other = "joint" if name in joints else "loop_joint"
                 yield element, f"the name is already that of a <{other}>", "give all that transmit forces names of their own"
             elif tag == "joint" and name == "universe":

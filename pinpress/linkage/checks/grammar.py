@@ -36,7 +36,7 @@ def _attributes(kind: type) -> str:
 _RULES = {
     "robot": _Rule(
         "name? version?",
-        "link* joint* loop_joint* relation* gear_mesh* rack* screw* worm* joint_spring* armature* material* transmission* home?",
+        "link* joint* loop_joint* relation* gear_mesh* rack* screw* worm* cam* joint_spring* armature* material* transmission* home?",
         "warning",
         "gazebo ros2_control mujoco sensor fixed_frame frame",
     ),
@@ -60,6 +60,9 @@ _RULES = {
     "relation": _Rule("name? offset?", "joint*"),
     "relation joint": _Rule("name coefficient?"),
     **{tag: _Rule(f"name? {_attributes(kind)}") for tag, kind in MACHINE_ELEMENTS.items()},
+    "cam": _Rule("name? cam follower radius roller_radius roller_width offset? arm? center? kind? drawn_at?", "point* row*"),
+    "point": _Rule("angle lift law?"),
+    "row": _Rule("angle lift slope? bend?"),
     "inertial": _Rule("", "origin? mass inertia", "warning"),
     "transmission": _Rule("name? type?", "", "warning"),
     "home": _Rule("", "joint*"),
@@ -111,6 +114,7 @@ _QUANTITIES = (
     "damping",
     "position",
     "inertia",
+    *("roller_radius", "roller_width", "arm", "center", "drawn_at", "angle", "lift", "slope", "bend"),
     *(each.name for kind in MACHINE_ELEMENTS.values() for each in fields(kind) if each.type == "float" or each.name.startswith("center")),
 )
 
