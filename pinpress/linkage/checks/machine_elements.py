@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterator
 
 from ...common.errors import suggestion
-from ..description import Description, GearMesh, MachineElement, Rack, Screw, Worm
+from ..description import MACHINE_ELEMENTS, Description, GearMesh, MachineElement, Rack, Screw, Worm
 from ..element import Element
 from .grammar import Problem
 
@@ -17,12 +17,8 @@ STEEPEST = {"pressure_angle": 45.0, "helix": 60.0, "flank": 60.0}  # [deg]
 
 def problems(robot: Element, description: Description) -> Iterator[Problem]:
     """Problems of all such elements, of each by itself and of two for the same links."""
-    elements = {said.line: said for said in description.machine_elements}
     meshing: dict[frozenset[str], str] = {}
-    for element in robot.children:
-        said = elements.get(element.line)
-        if said is None or element.tag not in _LINKS:
-            continue
+    for element, said in zip(robot.all(*MACHINE_ELEMENTS), description.machine_elements, strict=True):
         links = tuple(element.get(name) for name in _LINKS[element.tag])
         yield from _link_problems(element, said, links, description)
         yield from ((element, *problem) for problem in _number_problems(element, said))
