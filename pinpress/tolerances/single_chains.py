@@ -114,6 +114,7 @@ def _reduced(press: Linkage, joints: list[int], loops: list[int]) -> Linkage | N
             for relation in press.relations
             if relation.coefficients.keys() <= index.keys()
         ),
+        contacts=(),  # positions alone are asked of it
         held=tuple(name for name in press.held if press.joints.index(name) in index),
         home=tuple(press.home[joint] for joint in joints) if press.home else (),
     )

@@ -386,12 +386,16 @@ def _undriven(press: Linkage) -> Iterator[Finding]:
 
 def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
     """Notes of joints that follow others by their coordinates, as the file says, though no link carries both axes."""
-    for pair in press.couplings:
+    mimics = {joint.name for joint in press.document.description.joints if joint.mimic}
+    for pair in (pair for pair in press.couplings if pair.name in mimics):
         ends = [{int(press.model.parents[joint + 1]), joint + 1} for joint in (pair.follower, pair.leader)]
         if ends[0].isdisjoint(ends[1]):
             leader = press.joints[pair.leader]
             problem = f"its coordinate is {pair.multiplier:.6g} times that of joint {leader!r}, though no link carries the axes of both"
-            remedy = "this is no pair of gears: teeth would mesh by the angles against a link that carries both"
+            remedy = (
+                "this is no pair of gears: teeth mesh by the angles against a link that carries both, for which write <gear_mesh>, in a"
+                " table meshes:"
+            )
             yield Finding("note", press.document.called("joint", pair.name), pair.line, problem, remedy)
 
 

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Callable, Iterator
 
 from ...common.errors import suggestion
-from ..description import MACHINE_ELEMENTS, Description, GearMesh, MachineElement, Rack, Screw, Worm
+from ..description import MACHINE_ELEMENTS, Description, GearMesh, Rack, Screw, Worm
 from ..element import Element
 from .grammar import Problem
 
@@ -20,8 +20,8 @@ def problems(robot: Element, description: Description) -> Iterator[Problem]:
     meshing: dict[frozenset[str], str] = {}
     for element, said in zip(robot.all(*MACHINE_ELEMENTS), description.machine_elements, strict=True):
         links = tuple(element.get(name) for name in _LINKS[element.tag])
-        yield from _link_problems(element, said, links, description)
-        yield from ((element, *problem) for problem in _number_problems(element, said))
+        yield from _link_problems(element, links, description)
+        yield from ((element, *problem) for problem in _number_problems(element))
         yield from ((element, *problem) for problem in itertools.chain(_word_problems(element), _PROBLEMS[type(said)](said)))
         bodies = frozenset(description.bodies.get(link, link) for link in links)
         if bodies in meshing:
@@ -32,7 +32,7 @@ def problems(robot: Element, description: Description) -> Iterator[Problem]:
 _LINKS = {"gear_mesh": ("gear1", "gear2"), "rack": ("pinion", "rack"), "screw": ("screw", "nut"), "worm": ("worm", "wheel")}
 
 
-def _link_problems(element: Element, said: MachineElement, links: tuple[str, ...], description: Description) -> Iterator[Problem]:
+def _link_problems(element: Element, links: tuple[str, ...], description: Description) -> Iterator[Problem]:
     carrier = element.get("carrier")
     for link in (*links, *([carrier] if carrier else [])):
         if link and link not in description.links:
@@ -47,7 +47,7 @@ def _link_problems(element: Element, said: MachineElement, links: tuple[str, ...
         yield element, problem, "name the link that holds both centres, or leave carrier out"
 
 
-def _number_problems(element: Element, said: MachineElement) -> Iterator[tuple[str, str]]:
+def _number_problems(element: Element) -> Iterator[tuple[str, str]]:
     for name, most in MM.items():
         value = element.number(name, 0.0)
         if value < 0.0:
