@@ -18,6 +18,7 @@ from ...linkage.linkage import Linkage
 from ...linkage.writing import AddedBallast, added_ballasts
 from .ballast import ball, flywheel_disc, plane_counterweight
 from .bearing_layout import BearingLayout, lay_out_bearings
+from .machine_elements import element_solids
 from .planar_links import PlanarLinks
 from .press_frame import frame_solids
 from .solids import Cylinder, MadeUpSolid, Part, Plate, corners, part, standing
@@ -81,6 +82,10 @@ def made_up_parts(
         solids[link] = weights
         colours[link] = Counter(tuple(each.rgba[:3].tolist()) for each in drawn[link]).most_common(1)[0][0]
     parts = {link: _in_frame(layout.placements[link], made, colours[link]) for link, made in solids.items()}
+    for link, made in _elements(press, layout, solids, drawn).items():
+        of_visual = Counter(tuple(each.rgba[:3].tolist()) for each in drawn.get(link, ())).most_common(1)
+        colour = colours.get(link) or (of_visual[0][0] if of_visual else STEEL)
+        parts[link] = (*parts.get(link, ()), *_in_frame(layout.placements[link], made, colour))
     if not flywheels:
         return parts, []
     shown = [layout.placements[link] @ each.placement @ _homogeneous(corners(each.shape)) for link, its in drawn.items() for each in its]
@@ -93,6 +98,18 @@ def made_up_parts(
         placed.append((at, radius, (wheel[0].placement @ _homogeneous(corners(wheel[0].shape)))[:3].T))
         wheels.append(_in_frame(layout.placements[_driven_link(press, each.driver)], wheel, FRAME))
     return parts, wheels
+
+
+def _elements(
+    press: Linkage, layout: BearingLayout, solids: Mapping[str, Sequence[MadeUpSolid]], drawn: Mapping[str, tuple[Part, ...]]
+) -> dict[str, list[MadeUpSolid]]:
+    """Solids of gears, racks, screws and cams by their links, in front of the links that move."""
+    moving = [solid.placement @ _homogeneous(corners(solid.shape)) for link, made in solids.items() if link not in layout.on_frame for solid in made]
+    moving += [layout.placements[link] @ each.placement @ _homogeneous(corners(each.shape)) for link, its in drawn.items() for each in its]
+    elements: dict[str, list[MadeUpSolid]] = {}
+    for link, solid in element_solids(press, layout, [points[:3].T for points in moving]):
+        elements.setdefault(link, []).append(solid)
+    return elements
 
 
 def _in_frame(placement: Array, solids: Sequence[MadeUpSolid], colour: Colour) -> tuple[Part, ...]:
