@@ -16,15 +16,16 @@ from ...common.frozen import read_only
 from ...common.quantities import Array
 from ...engines.cams import CamContact
 from ...linkage.linkage import Linkage
-from ...linkage.machine_elements import Gears, Mesh, RackAndPinion, ScrewAndNut, WormAndWheel
+from ...linkage.machine_elements import Gears, RackAndPinion, ScrewAndNut, WormAndWheel
 from .bearing_layout import BearingLayout
 from .solids import Box, Cylinder, MadeUpSolid, TriangleMesh, standing
 
 # lengths in widths of a bar
 THICK, CLEAR = 0.22, 0.12  # thickness of a pitch circle, and its distance from the links behind it
 SPINDLE = 0.5  # radius of a screw without a diameter
+HUB, SHAFT = 0.9, 0.36  # largest radii of hub and shaft of a gear
 # shares of a radius
-RING, HUB, SHAFT = 0.07, 0.16, 0.09  # width of a pitch circle, radii of hub and shaft
+RING, HUB_SHARE = 0.07, 0.3  # width of a pitch circle, and radius of the hub of a small one
 AROUND = 96  # corners of a circle
 TEETH = 18  # teeth of a rack within a turn of its pinion: it may have no module
 MOST_TURNS = 40  # of a thread that is drawn; a finer one is drawn coarser
@@ -34,7 +35,8 @@ _Shift: TypeAlias = Callable[[Array], Array]
 
 
 class _Circle(NamedTuple):
-    """A pitch circle of a link in world axes: centre (3,), axis (3,), radius [m], whether it is internal, and a direction (3,) to the mesh."""
+    """A pitch circle of a link in world axes: centre (3,), axis (3,), radius [m], whether it is internal, and a direction (3,) to its
+    mesh."""
 
     link: str
     centre: Array
@@ -50,7 +52,7 @@ def element_solids(press: Linkage, layout: BearingLayout, shown: Sequence[Array]
     Args:
         press: the linkage.
         layout: of its bearings.
-        shown: (k, 3) corners of every other solid of links that move.
+        shown: (k, 3) corners of every other solid of links that move, wherever guides let them go.
     """
     circles = _circles(press, layout)
     cams = [contact for contact in press.contacts if isinstance(contact, CamContact)]
@@ -117,22 +119,25 @@ def _gear(circle: _Circle, centre: Array, width: float) -> Iterator[MadeUpSolid]
         yield MadeUpSolid(Box((wide, wide, thick)), _shifted(placement, 1.5 * wide + radius), darker=True)
         return
     yield MadeUpSolid(Box((radius - wide, wide, 0.8 * thick)), _shifted(placement, (radius - wide) / 2), darker=True)
-    yield MadeUpSolid(Cylinder(HUB * radius, thick), placement, darker=True)
+    hub = min(HUB * width, HUB_SHARE * radius)
+    yield MadeUpSolid(Cylinder(hub, thick), placement, darker=True)
     if (back := float(np.linalg.norm(centre - circle.centre))) > thick:
-        yield standing(Cylinder(SHAFT * radius, back), (centre + circle.centre) / 2, circle.axis, steel=True)
+        yield standing(Cylinder(SHAFT / HUB * hub, back), (centre + circle.centre) / 2, circle.axis, steel=True)
 
 
 def _rack(mesh: RackAndPinion, layout: BearingLayout, in_front: _Shift) -> MadeUpSolid:
     """A strip whose teeth end at the pitch line, as long as the rack travels."""
     pinion, rack = mesh.links
     along, point, radius = _turned(layout, rack, mesh.axes[1]), _placed(layout, rack, mesh.centres[1]), mesh.radii[0]
-    towards = _placed(layout, pinion, mesh.centres[0]) - point
-    axis = _turned(layout, pinion, mesh.axes[0])
-    towards -= (towards @ along) * along + (towards @ axis) * axis
+    away, axis = _placed(layout, pinion, mesh.centres[0]) - point, _turned(layout, pinion, mesh.axes[0])
+    point = point + (away @ along) * along
+    towards = away - (away @ along) * along - (away @ axis) * axis
     pitch = 2 * math.pi * radius / TEETH
     low, high = _travel(layout, rack, along, (-radius, radius))
     first, last = math.floor((-high - radius) / pitch), math.ceil((-low + radius) / pitch)
-    corners = [((k + part) * pitch, -deep * pitch) for k in range(first, last) for part, deep in ((0.1, 0.0), (0.4, 0.0), (0.6, 0.6), (0.9, 0.6))]
+    corners = [
+        ((k + part) * pitch, -deep * pitch) for k in range(first, last) for part, deep in ((0.1, 0.0), (0.4, 0.0), (0.6, 0.6), (0.9, 0.6))
+    ]
     thick = THICK * layout.width / 2
     sections = [np.array([[x, top, -thick], [x, top, thick], [x, -1.4 * pitch, thick], [x, -1.4 * pitch, -thick]]) for x, top in corners]
     across = np.cross(along, towards / np.linalg.norm(towards))
@@ -149,7 +154,7 @@ def _screw_and_nut(mesh: ScrewAndNut, layout: BearingLayout) -> Iterator[tuple[s
     (low, high), (back, ahead) = (_travel(layout, link, axis, (0.0, 0.0)) for link in (nut, screw))
     for solid in _threaded(at, axis, radius, (low - ahead - 3 * radius, high - back + 3 * radius), mesh.ratio):
         yield screw, solid
-    yield nut, standing(Cylinder(1.7 * radius, 2 * radius), at, axis)
+    yield nut, standing(Cylinder(1.4 * radius, 1.6 * radius), at, axis)
 
 
 def _worm(mesh: WormAndWheel, layout: BearingLayout) -> Iterator[tuple[str, MadeUpSolid]]:
@@ -168,10 +173,11 @@ def _threaded(at: Array, axis: Array, radius: float, ends: tuple[float, float], 
     """A spindle between two ends along its axis, from a point on it, whose thread moves a nut by ``rate`` [m/rad] as it turns."""
     length, middle = ends[1] - ends[0], standing(Cylinder(0.88 * radius, ends[1] - ends[0]), at + sum(ends) / 2 * axis, axis, steel=True)
     yield middle
-    turns = length / (2 * math.pi * abs(rate))
-    turns /= max(1, math.ceil(turns / MOST_TURNS))
+    lead = 2 * math.pi * abs(rate)
+    lead *= math.ceil(length / lead / MOST_TURNS)
+    wide = 0.25 * min(lead, radius)  # of the thread, along the axis
+    turns = (length - 2 * wide) / lead
     angle = np.linspace(0.0, 2 * np.pi * turns, max(2, math.ceil(ROUND_TURN * turns)))
-    wide = min(0.25 * length / turns, 0.25 * radius)  # of the thread, along the axis
     height = np.linspace(wide - length / 2, length / 2 - wide, len(angle))
     hand = -math.copysign(1.0, rate)  # a thread that moves its nut backwards as it turns forwards is right-handed
     sections = [_section(hand * a, (0.8 * radius, 1.05 * radius), (z - wide / 2, z + wide / 2)) for a, z in zip(angle, height, strict=True)]
@@ -246,22 +252,21 @@ def _shifted(placement: Array, along: float) -> Array:
 
 def _section(angle: float, radii: tuple[float, float], heights: tuple[float, float]) -> Array:
     """(4, 3) corners of a rectangle in the half plane through the z axis at an angle."""
-    corners = ((radius, z) for radius, z in ((radii[0], heights[0]), (radii[1], heights[0]), (radii[1], heights[1]), (radii[0], heights[1])))
-    return np.array([(radius * math.cos(angle), radius * math.sin(angle), z) for radius, z in corners])
+    radius = np.array([radii[0], radii[1], radii[1], radii[0]])
+    return np.column_stack([radius * math.cos(angle), radius * math.sin(angle), np.repeat(heights, 2)])
 
 
 def _swept(sections: Sequence[Array], closed: bool) -> TriangleMesh:
     """The solid that sections (4, 3) form one after the other; a ring where it is ``closed``."""
     n, m = len(sections), 4
     vertices = np.concatenate(sections)
-    station = np.arange(n if closed else n - 1)[:, None] * m
-    corner = np.arange(m)
-    here, beside = station + corner, station + (corner + 1) % m
+    here = np.arange(n if closed else n - 1)[:, None] * m + np.arange(m)
+    beside = np.roll(here, -1, axis=1)
     after, across = (here + m) % (n * m), (beside + m) % (n * m)
-    faces = np.concatenate([np.stack([here, beside, across], axis=-1).reshape(-1, 3), np.stack([here, across, after], axis=-1).reshape(-1, 3)])
-    if not closed:
-        end = (n - 1) * m
-        faces = np.concatenate([faces, [[0, 2, 1], [0, 3, 2], [end, end + 1, end + 2], [end, end + 2, end + 3]]])
+    sides = np.concatenate([np.stack([here, beside, across], axis=-1), np.stack([here, across, after], axis=-1)]).reshape(-1, 3)
+    end = (n - 1) * m
+    caps = [[0, 2, 1], [0, 3, 2], [end, end + 1, end + 2], [end, end + 2, end + 3]]
+    faces = sides if closed else np.concatenate([sides, caps])
     a, b, c = vertices[faces].transpose(1, 0, 2)
     outwards = np.sum(a * np.cross(b, c)) > 0
     return TriangleMesh(read_only(vertices), read_only(faces if outwards else faces[:, ::-1].copy()))

@@ -104,10 +104,17 @@ def _elements(
     press: Linkage, layout: BearingLayout, solids: Mapping[str, Sequence[MadeUpSolid]], drawn: Mapping[str, tuple[Part, ...]]
 ) -> dict[str, list[MadeUpSolid]]:
     """Solids of gears, racks, screws and cams by their links, in front of the links that move."""
-    moving = [solid.placement @ _homogeneous(corners(solid.shape)) for link, made in solids.items() if link not in layout.on_frame for solid in made]
-    moving += [layout.placements[link] @ each.placement @ _homogeneous(corners(each.shape)) for link, its in drawn.items() for each in its]
+    if not press.contacts:
+        return {}
+    travelled = {b.links[1]: [end * b.axis for end in b.travel] for b in layout.bearings if b.kind == "guide" and b.on_frame[0]}
+    moving = [(link, solid.placement, solid.shape) for link, made in solids.items() if link not in layout.on_frame for solid in made]
+    moving += [(link, layout.placements[link] @ each.placement, each.shape) for link, its in drawn.items() for each in its]
+    shown = []
+    for link, placement, shape in moving:
+        places = (placement @ _homogeneous(corners(shape)))[:3].T
+        shown.append(np.vstack([places + way for way in travelled.get(link, [np.zeros(3)])]))
     elements: dict[str, list[MadeUpSolid]] = {}
-    for link, solid in element_solids(press, layout, [points[:3].T for points in moving]):
+    for link, solid in element_solids(press, layout, shown):
         elements.setdefault(link, []).append(solid)
     return elements
 

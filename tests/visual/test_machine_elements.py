@@ -1,0 +1,86 @@
+"""Gears, racks and screws in pictures: pitch circles that touch, in front of the links, with marks that turn; teeth and threads."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pinpress as pp
+from pinpress.visual.shapes.appearance import bodies
+from pinpress.visual.shapes.solids import TriangleMesh, volume_and_centre
+
+PLANETARY = {
+    "frame": "S A",
+    "pins": {"S": [0, 0], "A": "S", "P": [250, 0]},
+    "links": {"sun": {"pins": "S", "mass": 10}, "arm": {"pins": "A P", "mass": 40}, "planet": {"pins": "P", "mass": 12}},
+    "drive": "S",
+    "meshes": {"sun_planet": {"gears": "sun planet", "teeth": [20, 30]}, "ring": {"gears": "planet frame", "teeth": "30 -80", "at": "A"}},
+}
+ARBOR = {
+    "frame": "O",
+    "pins": {"O": [-24, 0], "W": [0, 0]},
+    "links": {"pinion": {"pins": "O", "mass": 1}, "slide": {"pins": "W", "guide": "up", "mass": 5}},
+    "drive": "O",
+    "racks": {"rack": {"pinion": "pinion", "rack": "slide", "radius": 24, "side": "left"}},
+}
+SCREW = {
+    "frame": "S",
+    "pins": {"S": {"x": 0, "y": 0, "z": 0, "axis": "z"}, "Q": {"x": 0, "y": 0, "z": -200, "axis": "z"}},
+    "links": {
+        "flywheel": {"pins": "S", "mass": 300, "com": "S", "inertia": [15, 15, 25]},
+        "slide": {"pins": "Q", "guide": "up", "mass": 450},
+    },
+    "drive": "S",
+    "screws": {"spindle": {"screw": "flywheel", "nut": "slide", "lead": 200, "diameter": 300, "hand": "right"}},
+}
+
+
+def shown(table, travel=0.0):
+    """The press, and the corners of rings, racks and threads of its links in world axes as drawn, by the links."""
+    press = pp.build(**table, units="mm")
+    positions = np.outer([-0.5, 0.5], [travel] * press.model.nv)
+    placed = {}
+    data = press.model.createData()
+    pin.framesForwardKinematics(press.model, data, pin.neutral(press.model))
+    for body in bodies(press, positions):
+        for part in body.parts:
+            place = data.oMf[body.frame].homogeneous @ part.placement
+            if isinstance(part.shape, TriangleMesh):
+                assert volume_and_centre(part.shape)[0] > 0.0  # closed, with its faces outwards
+                placed.setdefault(body.name, []).append(part.shape.vertices @ place[:3, :3].T + place[:3, 3])
+    return press, placed
+
+
+def test_pitch_circles_touch():
+    press, placed = shown(PLANETARY)
+    around = {"sun": (0.0, 0.1), "planet": (0.25, 0.15), "frame": (0.0, 0.4)}
+    planes = set()
+    for link, (centre, radius) in around.items():
+        (ring,) = placed[link]
+        away = np.hypot(ring[:, 0] - centre, ring[:, 2])
+        assert (away.min() if link == "frame" else away.max()) == pytest.approx(radius, rel=1e-12)  # the frame's is internal
+        assert abs(away.max() / away.min() - 1) < 0.12
+        planes.add(tuple(np.round([ring[:, 1].min(), ring[:, 1].max()], 12)))
+    assert len(planes) == 1
+    assert set(press.meshes) == {"sun_planet", "ring"}
+
+
+def test_rack_reaches_over_its_travel():
+    """Its teeth end at the pitch line, and it goes on by a radius behind both ends of the way."""
+    _, placed = shown(ARBOR, travel=0.4)
+    (rack,) = placed["slide"]
+    assert rack[:, 0].min() == pytest.approx(0.0, abs=1e-12)
+    assert rack[:, 2].min() < -0.2 - 0.024
+    assert rack[:, 2].max() > 0.2 + 0.024
+    (ring,) = placed["pinion"]
+    assert ring[:, 0].max() == pytest.approx(0.0, abs=1e-12)
+    assert np.ptp(ring[:, 1]) == pytest.approx(np.ptp(rack[:, 1]))
+
+
+def test_thread_has_its_lead_and_hand():
+    """A right-handed thread climbs along the axis as it turns counter-clockwise."""
+    _, placed = shown(SCREW, travel=0.2)
+    (thread,) = placed["flywheel"]
+    stations = thread.reshape(-1, 4, 3).mean(axis=1)
+    angle = np.unwrap(np.arctan2(stations[:, 1], stations[:, 0]))
+    assert np.polyfit(angle, stations[:, 2], 1)[0] == pytest.approx(0.2 / (2 * np.pi), rel=1e-9)
+    assert np.hypot(stations[:, 0], stations[:, 1]).mean() == pytest.approx(0.15, rel=0.1)
