@@ -374,27 +374,8 @@ def _moment_forces(load: PointMoment, press: "Linkage", motion: "Motion", vector
     if vectors.ndim == 2 and len(vectors) != count:
         raise PinpressError(f"{load.label}: moment has {len(vectors)} rows, but the motion has {count} states")
     moment = np.broadcast_to(vectors, (count, 3))
-    forces = couple(press, motion, body_of(press, load.link), moment)
-    return forces if load.on is None else forces + couple(press, motion, body_of(press, load.on), -moment)
-
-
-def couple(press: "Linkage", motion: "Motion", joint: int, moment: Array) -> list[AppliedForce]:
-    """Forces on a body whose sum is zero and whose moment is this one, (n, 3) in world axes [N m].
-
-    For three directions e across each other that turn with the body, the sum of e x (M x e) is 2 M. The forces act at the ends of such arms
-    as long as the linkage, and their opposite at the body's origin.
-    """
-    if not moment.any():
-        return []
-    rotation = rotation_of(press, motion.joint_position, joint)
-    lead = moment[np.linalg.norm(moment, axis=1).argmax()]
-    lead = lead / np.linalg.norm(lead)
-    across = np.cross(lead, np.eye(3)[np.abs(lead).argmin()])
-    across /= np.linalg.norm(across)
-    arms = press.size * rotation[0].T @ np.stack([lead, across, np.cross(lead, across)], axis=1)  # in the body's frame
-    forces = [np.cross(moment, rotation @ arm) / (2 * press.size**2) for arm in arms.T]
-    pairs = [AppliedForce(joint, arm, force) for arm, force in zip(arms.T, forces, strict=True) if force.any()]
-    return [*pairs, AppliedForce(joint, np.zeros(3), -np.sum([each.force for each in pairs], axis=0))]
+    bodies = [body_of(press, link) for link in (load.link, load.on) if link is not None]
+    return [AppliedForce.couple(body, sign * moment) for body, sign in zip(bodies, (1.0, -1.0), strict=False)]
 
 
 class RelativeTurn(NamedTuple):
@@ -454,7 +435,7 @@ def turn_forces(press: "Linkage", motion: "Motion", turn: RelativeTurn, moment: 
     """The forces of a moment (n,) about the axis of a turn on its second link, and of the opposite one on its first [N m]."""
     axis = rotation_of(press, motion.joint_position, turn.bodies[1]) @ turn.axis
     vectors = moment[:, None] * axis
-    return couple(press, motion, turn.bodies[1], vectors) + couple(press, motion, turn.bodies[0], -vectors)
+    return [AppliedForce.couple(turn.bodies[1], vectors), AppliedForce.couple(turn.bodies[0], -vectors)]
 
 
 def _spring_forces(load: SpringDamper, press: "Linkage", motion: "Motion") -> list[AppliedForce]:

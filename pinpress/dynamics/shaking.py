@@ -46,7 +46,7 @@ def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: 
         add_force(end.sign * force[end.bearing], end.sign * moment[end.bearing], _acting_at(end, motion))
     for load in loads:
         if load.joint == 0:
-            add_force(load.force, 0.0, load.point)
+            add_force(load.force, 0.0 if load.moment is None else load.moment, load.point)
     return total[0], total[1]
 
 

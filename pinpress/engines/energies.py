@@ -81,8 +81,10 @@ def _power_balance(engine: Engine, states: ClosedStates, loads: Sequence[Applied
         (-turned(bodies.rotation, momentum_rate), bodies.spin),
     ]
     for load in loads:
-        point = engine.body_motion(states, [load.joint], accelerations=False).points(load.point[None])
-        pairs.append((load.force.T[None], point.velocity))
+        body = engine.body_motion(states, [load.joint], accelerations=False)
+        pairs.append((load.force.T[None], body.points(load.point[None]).velocity))
+        if load.moment is not None:
+            pairs.append((load.moment.T[None], body.spin))
     powers = np.concatenate([(force * motion).sum(axis=1) for force, motion in pairs])
     sizes = [np.sqrt((force * force).sum(axis=1) * (motion * motion).sum(axis=1)) for force, motion in pairs]
     return PowerBalance(powers.sum(axis=0), np.abs(powers).sum(axis=0), np.concatenate(sizes).sum(axis=0))

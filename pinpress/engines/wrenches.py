@@ -10,24 +10,37 @@ import numpy as np
 from ..common.quantities import Array
 from .friction import FrictionLaw
 
+ORIGIN = np.zeros(3)
+
 
 @dataclass(frozen=True)
 class AppliedForce:
-    """The force of one load over a motion.
+    """The force and the moment of one load over a motion.
 
     Attributes:
-        joint: Pinocchio joint on whose body the force acts, 0 for the frame.
-        point: (3,) where it acts, in that joint's frame [m].
+        joint: Pinocchio joint on whose body they act, 0 for the frame.
+        point: (3,) where the force acts, in that joint's frame [m].
         force: (n, 3) in world axes [N].
+        moment: (n, 3) in addition to that of the force, in world axes [N m]; None for none.
     """
 
     joint: int
     point: Array
     force: Array
+    moment: Array | None = None
+
+    @staticmethod
+    def couple(joint: int, moment: Array) -> AppliedForce:
+        """A moment (n, 3) alone."""
+        return AppliedForce(joint, ORIGIN, np.zeros_like(moment), moment)
+
+    def times(self, factor: float) -> AppliedForce:
+        """The load, multiplied by a number."""
+        return AppliedForce(self.joint, self.point, factor * self.force, None if self.moment is None else factor * self.moment)
 
     def part(self, points: slice) -> AppliedForce:
         """The load over a part of the motion."""
-        return AppliedForce(self.joint, self.point, self.force[points])
+        return AppliedForce(self.joint, self.point, self.force[points], None if self.moment is None else self.moment[points])
 
 
 class AppliedConditions(NamedTuple):

@@ -342,7 +342,8 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels
     if system.bed != system.carrier:
         for load in reactions._conditions.loads:
             if load.joint == 0:
-                wrench += np.hstack([load.force, np.cross(load.point, load.force)]) @ (bed - carrier)
+                moment = np.cross(load.point, load.force) + (0.0 if load.moment is None else load.moment)
+                wrench += np.hstack([load.force, moment]) @ (bed - carrier)
     if isinstance(system.frame, ElasticFrame):
         for bearing, interface in system.frame.bearings.items():
             force, moment = reactions.bearing_force[bearing], reactions.bearing_moment[bearing]

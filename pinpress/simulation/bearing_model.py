@@ -261,9 +261,10 @@ class _Sampling:
         parts = [part(radial(a=pace**2 * states.v), pace**2), part(radial(v=pace, a=pace**2 * states.a), pace**2), weight]
         for unit_force in self.unit_forces:
             units = unit_force(motion)
-            scale = force / (max((float(np.abs(unit.force).max()) for unit in units), default=0.0) or 1.0)
-            loads = [AppliedForce(unit.joint, unit.point, scale * unit.force) for unit in units]
-            parts.append(part(radial(loads=loads), scale))
+            sizes = [np.abs(unit.force).max() for unit in units]
+            sizes += [np.abs(unit.moment).max() / press.size for unit in units if unit.moment is not None]
+            scale = force / (float(max(sizes, default=0.0)) or 1.0)
+            parts.append(part(radial(loads=[unit.times(scale) for unit in units]), scale))
         for bearing, turns in zip(self.with_friction.tolist(), self.turns.tolist(), strict=True):
             efforts, effort = zero.copy(), force * (press.size if turns else 1.0)
             efforts[bearing] = effort

@@ -190,7 +190,7 @@ class WorkOfMoment:
         return float(x.dot(self.by)), self.by
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
-        return applied_loads.couple(press, motion, self.joint, np.tile(self.moment, (len(motion.crank_angle), 1)))
+        return [AppliedForce.couple(self.joint, np.tile(self.moment, (len(motion.crank_angle), 1)))]
 
 
 @dataclass(frozen=True, eq=False)

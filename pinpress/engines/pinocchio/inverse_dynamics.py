@@ -34,6 +34,8 @@ def _open_tree(loops: Loops, equations: Equations, states: ClosedStates, loads: 
         local = turned_back(rotation[load.joint], load.force.T).T
         pushed[:, load.joint, :3] += local
         pushed[:, load.joint, 3:] += np.cross(load.point, local)
+        if load.moment is not None:
+            pushed[:, load.joint, 3:] += turned_back(rotation[load.joint], load.moment.T).T
     effort, local = np.empty((count, n)), components_first(count, n, 2)
     wrenches = data.f  # live: fetching it costs more than the algorithm that fills it
     for i in range(n):

@@ -146,11 +146,12 @@ def build_statics(bodies: Bodies, equations: Equations) -> Statics:
 # ------------------------------------------------------------------------------------------------------------------------------- balance
 
 
-def open_tree(statics: Statics, second: ComplexArray, loads: Sequence[AppliedForce]) -> OpenTree:
+def open_tree(statics: Statics, configurations: Configurations, second: ComplexArray, loads: Sequence[AppliedForce]) -> OpenTree:
     """Forces with all loops open.
 
     Args:
         statics: constants of the balance.
+        configurations: the configurations.
         second: (rows, n) conjugate second derivatives of the functions, 1 in the rows of ones.
         loads: forces on links.
     """
@@ -173,6 +174,9 @@ def open_tree(statics: Statics, second: ComplexArray, loads: Sequence[AppliedFor
             tree.work[statics.functions.order[place]] -= point[place] * force
         for carrier in plane.carriers(joint):
             tree.forces[carrier] -= force
+        if load.moment is not None and (rotor := plane.rotors[joint]):
+            row = statics.functions.order[rotor]
+            tree.work[row] += 1j * (load.moment @ plane.normal) * np.conj(configurations.functions[row])
     return tree
 
 

@@ -110,11 +110,14 @@ def add_moments_of_guides(
                 arm = complex(*(plane.frames[body.joint] @ load.point)[:2])
                 parts.append((body.center - arm) * to_complex(plane, load.force).conj())
         moment: Any = 0.0
+        turning = [load.moment @ plane.normal for load in loads if load.joint - 1 == body.joint and load.moment is not None]
         if parts:
             total = sum(parts[1:], parts[0])
             moment = -(total if body.rotor is None else total * rotors[body.rotor]).imag
         if body.inertia and body.rotor is not None:  # its angular acceleration is Im(conj(u) u'') of its rotor u
             moment = moment - body.inertia * (rotors[body.rotor] * second[body.rotor]).imag
+        for each in turning:
+            moment = moment - each
         for bearing, sign in body.bearings:
             if bearing in moments:
                 moment = moment + sign * moments[bearing]

@@ -91,7 +91,7 @@ def _fill(
     """Fill in the result of a piece of the motion."""
     plane, bodies, loads = statics.plane, statics.bodies, conditions.loads
     configurations, multipliers = moving.configurations, result.relations
-    tree = open_tree(statics, moving.second, loads)
+    tree = open_tree(statics, configurations, moving.second, loads)
     needed = bearings or friction is not None
     flat = not needed or not out_of_plane.is_loaded(bodies, loads)
     axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, moving.second.shape[1])
@@ -203,7 +203,7 @@ def bearing_loads(statics: Statics, states: ClosedStates, loads: Sequence[Applie
     plane, bodies, n = statics.plane, statics.bodies, states.v.shape[1]
     moving = _moving(statics, states)
     balanced = Balanced(statics, moving.configurations, idle_forces(statics, moving.configurations), None)
-    forces = balanced.pressing(open_tree(statics, moving.second, loads), efforts)
+    forces = balanced.pressing(open_tree(statics, moving.configurations, moving.second, loads), efforts)
     radial = np.stack([forces.real, -forces.imag, np.zeros(forces.shape)], axis=2)
     axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
     for joint in plane.prismatic:

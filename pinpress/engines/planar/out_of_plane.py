@@ -28,7 +28,7 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
     if load.joint == 0:
         return True
     height = (plane.frames[load.joint - 1] @ load.point)[2]  # above the plane of its link
-    return bool(height == 0.0 and not np.any(load.force @ plane.normal))
+    return bool(height == 0.0 and not np.any(load.force @ plane.normal)) and (load.moment is None or not to_complex(plane, load.moment).any())
 
 
 def is_loaded(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
@@ -97,8 +97,9 @@ def _tilting_moments(bodies: Bodies, second: ComplexArray, pins: ComplexArray, l
         if load.joint:
             joint, force = load.joint - 1, 1j * to_complex(plane, load.force)
             height = plane.heights[joint] + (plane.frames[joint] @ load.point)[2]
+            moment = 0.0 if load.moment is None else to_complex(plane, load.moment)
             for carrier in plane.carriers(joint):
-                tilt[carrier] -= (height - plane.heights[carrier]) * force
+                tilt[carrier] -= (height - plane.heights[carrier]) * force + moment
     return tilt
 
 

@@ -124,6 +124,8 @@ def _open_tree(loops: Loops, equations: Equations, states: ClosedStates, loads: 
             force = load.force.T
             carried[0, load.joint - 1] -= force
             carried[1, load.joint - 1] -= cross(placed.point(load.joint, load.point), force)
+            if load.moment is not None:
+                carried[1, load.joint - 1] -= load.moment.T
     sum_carried(bodies, carried)
     force, moment = carried
     moment -= cross(placed.origin[1:], force)  # about the joints' origins
