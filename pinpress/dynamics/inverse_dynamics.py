@@ -14,7 +14,6 @@ from ..common.quantities import Array
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
-from ..engines.racks import PlacedAxis, between_teeth
 from ..engines.sharing import compliances
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import Motion, accelerated, blank, filled, refuse_other_joints, with_gaps_of
@@ -24,7 +23,7 @@ from ..loads.link import law as friction_law
 from . import applied_loads
 from .equilibrium import equilibrium
 from .passive import free_accelerations
-from .reactions import Reactions, find_wrenches
+from .reactions import Reactions, carrying, find_wrenches
 
 NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 PASSIVE = ("free", "given", "equilibrium")
@@ -107,7 +106,7 @@ def _move_passive(
 def in_other_states(reactions: Reactions, motion: Motion) -> Reactions:
     """Reactions under the same loads, friction and stiffness in other states of the same press, of which nobody is warned."""
     press, conditions = reactions._press, reactions._conditions
-    indices = [k for k, name in enumerate(press.bearings) if name in reactions.bearing_force]
+    indices = [k for k, name in enumerate(carrying(press)) if name in reactions.bearing_force]
     with np.errstate(all="ignore"):  # what overflows is refused
         loads = applied_loads.apply(applied_loads.wrap_laws(reactions.loads), press, motion, warned=True)
         conditions = conditions._replace(loads=loads)
@@ -131,10 +130,10 @@ def _reactions(
     inputs: tuple[tuple[Load, ...], Mapping[str, Friction], Mapping[str, float], str],
 ) -> Reactions:
     """The wrenches that an engine has found, by the names of the wanted bearings; ``given``: loads, friction and stiffness."""
-    names, several = press.bearings, len(press.drivers) > 1
+    names, several = carrying(press), len(press.drivers) > 1
     kept = names if len(indices) == len(names) else tuple(names[k] for k in indices)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    forces, moments = (blank(motion, each, 1) for each in _between_teeth(press, press.engine(engine), filled(press, motion), wrenches))
+    forces, moments = (blank(motion, each[: len(names)], 1) for each in (wrenches.force, wrenches.moment))
     if 0 < len(kept) < len(names):
         forces, moments = forces[list(indices)], moments[list(indices)]
     wrenches.torque.setflags(write=False)  # before there are views of it
@@ -149,7 +148,7 @@ def _reactions(
         driving_torque=torque.T if several else torque[0],
         bearing_force=NamedArrays(kept, forces, left_out),
         bearing_moment=NamedArrays(kept, moments, left_out),
-        friction_power=NamedArrays(names, blank(motion, wrenches.friction, 1)),
+        friction_power=NamedArrays(names, blank(motion, wrenches.friction[: len(names)], 1)),
         left_out=left_out,
         _wrenches=wrenches,
         _press=press,
@@ -184,30 +183,15 @@ def _between_locks(branch: Branch, motion: Motion) -> bool:
 
 
 def _select_bearings(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
-    """Rising indices of the wanted bearings in `Linkage.bearings`; raises as `inverse_dynamics`."""
+    """Rising indices of the wanted ones among `carrying`; raises as `inverse_dynamics`."""
+    names = carrying(press)
     if bearings is None:
-        return range(len(press.bearings))
+        return range(len(names))
     if isinstance(bearings, str) or not isinstance(bearings, Collection):
         raise PinpressError(
             f"bearings is {shown(bearings)}: give a list of names, e.g. [{shown(press.bearings[0])}], or () for the driving torque alone"
         )
     for name in bearings:
-        if not isinstance(name, str) or name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-    return [k for k, name in enumerate(press.bearings) if name in bearings]
-
-
-def _between_teeth(press: Linkage, engine: Engine, motion: Motion, wrenches: Wrenches) -> tuple[Array, Array]:
-    """Forces and moments (bearings, n, 3) of bearings, those of racks and screws as `engines.racks` says."""
-    if not (press.structure.racks and len(wrenches.force)):
-        return wrenches.force, wrenches.moment
-    states = motion.states(press)
-
-    def placed(joint: int) -> PlacedAxis:
-        body = engine.body_motion(states, [joint + 1], accelerations=False)
-        return PlacedAxis(body.origin[0].T, (press.axes[joint].direction @ body.rotation[0]).T)
-
-    force, moment = wrenches.force.copy(), wrenches.moment.copy()
-    for rack in press.structure.racks:
-        between_teeth(rack, wrenches.relations[rack.relation], placed(rack.slide), placed(rack.shaft), force, moment)
-    return force, moment
+        if not isinstance(name, str) or name not in names:
+            raise UnknownNameError("bearing", name, names)
+    return [k for k, name in enumerate(names) if name in bearings]

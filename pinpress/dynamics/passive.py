@@ -16,6 +16,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates, Engine
 from ..engines.friction import FrictionLaw
+from ..engines.with_contacts import inverse_dynamics
 from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..linkage.linkage import Linkage
 from .applied_loads import joint_efforts
@@ -70,7 +71,7 @@ def _free_piece(
         """(passive, n) that accelerations (nv, n) need at the passive coordinates."""
         moving = ClosedStates(position, states.v, a, states.basis, solved)
         conditions = AppliedConditions(list(loads), law, None, joint_efforts(press, engine, moving))
-        return engine.inverse_dynamics(moving, conditions, bearings=False).torque[first:]
+        return inverse_dynamics(engine, moving, conditions, bearings=False).torque[first:]
 
     a, needed = states.a, efforts(states.a)
     columns = [(efforts(a + PROBE * way) - needed) / PROBE for way in by]

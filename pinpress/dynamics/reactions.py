@@ -1,8 +1,8 @@
 """Torques and forces over a motion, and their signs.
 
 `Reactions` says the signs. A spherical loop transmits only the moment of friction. The driving torque is part of the moment of the driver's
-bearing, as the torques of gear pairs and friction are part of the moments of theirs. Where a shaft moves a slide, as a pinion does a rack,
-what acts between teeth is no part of the two bearings: it pushes on them, see `engines.racks`.
+bearing, as the torques of gear pairs and friction are part of the moments of theirs. Where teeth or threads push, as of machine elements,
+and of a shaft that moves a slide, what acts there is no part of any bearing: it pushes on them, see `engines.with_contacts`.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..engines.energies import power_balance
 from ..engines.engine import Engine
+from ..engines.with_contacts import inverse_dynamics
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion, blank, filled
 from ..linkage.linkage import Linkage
@@ -214,7 +215,7 @@ class Reactions(Tabular):
     def _shaking(self) -> tuple[Array, Array]:
         press, wrenches = self._press, self._complete
         with np.errstate(all="ignore"):  # what overflows is refused below
-            force, moment = shaking(press, self._filled, wrenches.force, wrenches.moment, self._conditions.loads)
+            force, moment = shaking(press, self._filled, wrenches, self._conditions.loads)
             if not math.isfinite(force.sum() + moment.sum()):
                 raise PinpressError(f"the shaking moment of {self._press.name} is not finite: a load is too large for floating point")
         return read_only((blank(self.motion, force), blank(self.motion, moment)))
@@ -250,9 +251,14 @@ class Reactions(Tabular):
         return columns
 
 
+def carrying(press: Linkage) -> tuple[str, ...]:
+    """Names of all that transmits forces: bearings, then contacts."""
+    return press.bearings + tuple(contact.name for contact in press.contacts)
+
+
 def find_wrenches(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, bearings: bool) -> Wrenches:
     """Torques and, with ``bearings``, the wrenches of all bearings; raises as `inverse_dynamics`."""
-    wrenches = engine.inverse_dynamics(motion.states(press), conditions, bearings)
+    wrenches = inverse_dynamics(engine, motion.states(press), conditions, bearings)
     _refuse_not_finite(motion, wrenches)
     return wrenches
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.quantities import Array
-from ..engines.wrenches import AppliedForce
+from ..engines.wrenches import AppliedForce, Wrenches
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -21,14 +21,13 @@ def on_frame(press: Linkage) -> tuple[int, ...]:
     return (*joints, *(k for k, loop in enumerate(press.loops, len(press.joints)) if 0 in (loop.joint1, loop.joint2)))
 
 
-def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: list[AppliedForce]) -> tuple[Array, Array]:
+def shaking(press: Linkage, motion: Motion, wrenches: Wrenches, loads: list[AppliedForce]) -> tuple[Array, Array]:
     """Shaking force and shaking moment about the world origin, (n, 3) each, world axes [N, N m].
 
     Args:
         press: the press.
         motion: its motion.
-        force: (bearings, n, 3) forces of all bearings, parent on child (link1 on link2) [N].
-        moment: (bearings, n, 3) their moments [N m].
+        wrenches: of all bearings and contacts.
         loads: forces on links; only those on the frame are added, because the bearing forces include the others.
     """
     total = np.zeros((2, len(motion.crank_angle), 3))
@@ -43,8 +42,8 @@ def shaking(press: Linkage, motion: Motion, force: Array, moment: Array, loads: 
     frame = model.inertias[0]
     add_force(frame.mass * model.gravity.linear, 0.0, frame.lever)
     for end in _frame_ends(press):
-        add_force(end.sign * force[end.bearing], end.sign * moment[end.bearing], _acting_at(end, motion))
-    for load in loads:
+        add_force(end.sign * wrenches.force[end.bearing], end.sign * wrenches.moment[end.bearing], _acting_at(end, motion))
+    for load in (*loads, *wrenches.on_frame):
         if load.joint == 0:
             add_force(load.force, 0.0 if load.moment is None else load.moment, load.point)
     return total[0], total[1]

@@ -7,13 +7,16 @@ not the forces in the bearings. A contact says how the wrench follows from the m
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from ..common.frozen import Frozen
 from ..common.quantities import Array
+from .constraints import Relation
 
 ZERO = np.zeros(3)
 
@@ -38,7 +41,8 @@ class Rubbing(NamedTuple):
     """Friction of a contact, as a wrench between two bodies against the speed with which they rub.
 
     The speed is the power of this wrench in the motion of the second body relative to the first one. Friction is a share of the size of the
-    effort of the contact's relation, in the opposite sense.
+    effort of the contact's relation, in the opposite sense. The sense of the wrench is such that the contact's first body drives its second
+    one where effort and speed have the same sign.
 
     Attributes:
         first: Pinocchio joint of the body that rubs, 0 for the frame.
@@ -59,6 +63,24 @@ class Rubbing(NamedTuple):
     push_backward: Array | None = None
 
 
+class Planets(NamedTuple):
+    """Equal planets of which one stands for all. Vectors are in the carrier's joint frame.
+
+    Attributes:
+        count: how many they are.
+        planet: Pinocchio joint of the one that is drawn, one of the two bodies of the contact.
+        pin: (3,) its centre [m].
+        center: (3,) centre of the sun or ring, the other body [m].
+        axis: (3,) direction of the axes of all gears.
+    """
+
+    count: int
+    planet: int
+    pin: Array
+    center: Array
+    axis: Array
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Contact(Frozen):
     """A contact whose wrench stands still in its carrier: teeth at a pitch point, a thread.
@@ -72,8 +94,10 @@ class Contact(Frozen):
         carrier: Pinocchio joint of the body that carries both, 0 for the frame.
         unit: the wrench of the first on the second body by the effort.
         rubbing: its friction; empty without losses.
-        shares: number of equal contacts round the first body for which this one stands, as of planets. Each takes an equal part of the
-            effort, and together they load neither the bearing of the sun nor that of the ring.
+        planets: the planets for which this contact of a single one stands. Each takes an equal part of the effort, and together they load
+            neither the bearing of the sun or ring nor that of the carrier, but for forces along the axis. The pin of the drawn planet
+            carries its part of the forces of teeth. Mass and inertia count as they are drawn: those of all planets give the right torque,
+            and then the pin carries the weights of all.
     """
 
     name: str
@@ -84,8 +108,63 @@ class Contact(Frozen):
     carrier: int
     unit: UnitWrench
     rubbing: tuple[Rubbing, ...] = ()
-    shares: int = 1
+    planets: Planets | None = None
 
     def wrench(self, position: Array) -> UnitWrench:
         """The unit wrench at joint coordinates (nv, n)."""
         return self.unit
+
+    @property
+    def count(self) -> int:
+        """How many equal contacts take a part of the effort each."""
+        return 1 if self.planets is None else self.planets.count
+
+    def actions(self, unit: UnitWrench) -> list[tuple[int, UnitWrench]]:
+        """What acts on bodies, by their Pinocchio joints, where the first body does this to the second one; in balance altogether."""
+        if self.planets is None:
+            return [(self.second, unit), (self.first, _times(unit, -1.0))]
+        count, planet, pin_, center, axis = self.planets
+        sign = 1.0 if planet == self.second else -1.0
+        point, force, couple, push = _times(unit, sign)
+        spin = _along(couple + np.cross(point - pin_, force), axis)  # what turns all planets about their pins
+        own = UnitWrench(point, force / count, couple / count + (1.0 - 1.0 / count) * spin, push / count)
+        other = UnitWrench(center, -_along(force, axis), -_along(couple + np.cross(point - center, force), axis))
+        # the pins of the planets that are not drawn
+        rest = -(own.couple + other.couple + np.cross(center - point, other.force))
+        return [(planet, own), (self.first + self.second - planet, other), (self.carrier, UnitWrench(point, -own.force - other.force, rest, -own.push))]
+
+
+def _times(unit: UnitWrench, sign: float) -> UnitWrench:
+    return UnitWrench(unit.point, sign * unit.force, sign * unit.couple, sign * unit.push)
+
+
+def _along(vectors: Array, axis: Array) -> Array:
+    return np.asarray((vectors @ axis)[..., None] * axis)
+
+
+def racks(model: pin.Model, turns: Sequence[bool], axes: Sequence[Array], relations: Sequence[Relation], named: Sequence[Contact]) -> Iterator[Contact]:
+    """The contacts of relations between a shaft and a slide that the same body carries, as a pinion and its rack or a screw and its nut,
+    which have none of their own.
+
+    Between teeth or threads acts one wrench, of the shaft on the slide: the force along the guide, through the shaft's axis, and a couple
+    about it, which for a rack is the moment of the force at the pitch line. A pressure angle would add a force across the two, which
+    ``<mimic>`` does not give.
+
+    Args:
+        model: of the tree.
+        turns: whether every joint turns.
+        axes: (3,) of all joints in their own frames.
+        relations: of the linkage.
+        named: contacts of other relations.
+    """
+    for k, relation in enumerate(relations):
+        joints = [joint for joint, coefficient in relation.coefficients.items() if coefficient]
+        slides, shafts = ([joint for joint in joints if turns[joint] is turning] for turning in (False, True))
+        if relation.curve is not None or not len(slides) == len(shafts) == 1 or any(contact.relation == k for contact in named):
+            continue
+        slide, shaft = slides[0] + 1, shafts[0] + 1
+        if model.parents[slide] == model.parents[shaft]:
+            places = model.jointPlacements
+            force, torque = (relation.coefficients[joint - 1] * (places[joint].rotation @ axes[joint - 1]) for joint in (slide, shaft))
+            unit = UnitWrench(places[shaft].translation.copy(), force, -torque)
+            yield Contact("", "rack", k, shaft, slide, model.parents[slide], unit)

@@ -16,7 +16,7 @@ from ..common.errors import AssemblyError
 from ..common.quantities import Array, ComplexArray
 from .body_motion import BodyMotion
 from .structure import Structure
-from .wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from .wrenches import AppliedConditions, BearingLoads, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
@@ -198,13 +198,12 @@ class Engine(Protocol):
             PinpressError: friction locks the linkage.
         """
 
-    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+    def bearing_loads(self, states: ClosedStates, conditions: AppliedConditions, rates: Array) -> BearingLoads:
         """Speeds and radial forces of all bearings of a linkage with one driver.
 
         Args:
             states: closed states.
-            loads: forces on links.
-            efforts: (bearings, n) of friction, as of `FrictionLaw.efforts` [N m, of a guide N].
+            conditions: loads, compliances, and efforts of friction that are known; no law.
             rates: (nv, n) joint rates to which the bearings' speeds belong; those of the states count for inertia forces alone.
         """
 

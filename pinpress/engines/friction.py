@@ -17,21 +17,30 @@ MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many ar
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw:
-    """The friction of all bearings, joints in Pinocchio's order, then loops.
+    """The friction of all bearings, joints in Pinocchio's order, then loops; behind them the rows of contacts, see `with_contacts`.
 
     Attributes:
         arm: (bearings,) effort of dry friction by the bearing's radial force: mu r of a pin [m], mu of a guide [-].
+        backward: (bearings,) the same where the signed force of a contact and the speed have opposite signs.
         viscous: (bearings,) effort by speed [N m s, of a guide N s/m].
         preload: (bearings,) force with which the gibs of a guide press on it without a load; zero of all others [N].
         turns: (bearings,) False for guides, True for all others.
+        pushes: (bearings,) True for what is no friction: the effort is positive, also at rest.
         size: length of the linkage [m].
     """
 
     arm: Array
+    backward: Array
     viscous: Array
     preload: Array
     turns: NDArray[np.bool_]
+    pushes: NDArray[np.bool_]
     size: float
+
+    def of(self, rows: NDArray[np.intp]) -> FrictionLaw:
+        """The law of some of the rows."""
+        arrays = (self.arm, self.backward, self.viscous, self.preload, self.turns, self.pushes)
+        return FrictionLaw(*(array[rows] for array in arrays), self.size)
 
     def moving(self, speeds: Array) -> Array:
         """Speeds (bearings, n), set to zero where they are rounding beside the fastest of the motion."""
@@ -46,18 +55,20 @@ class FrictionLaw:
 
         Args:
             speeds: (bearings, n) speeds of the bearings [rad/s, of a guide m/s], exactly zero where one rests.
-            forces: function of friction efforts (bearings, n) that returns the radial forces (bearings, n) under them [N].
+            forces: function of friction efforts (bearings, n) that returns the radial forces (bearings, n) under them, of contacts with
+                a sign [N].
             place: gives where the drivers are in a state, in words, for the message of an error.
 
         Raises:
             PinpressError: there are no consistent forces, because friction locks the linkage, or nearly so.
         """
         steady = -self.viscous[:, None] * speeds
-        against = -self.arm[:, None] * np.sign(speeds)
+        ways = np.where(self.pushes[:, None], 1.0, -np.sign(speeds))
 
         def follow(efforts: Array) -> tuple[Array, Array]:
-            pressing = np.maximum(forces(efforts), self.preload[:, None])
-            following = steady + against * pressing
+            force = forces(efforts)
+            pressing = np.maximum(np.abs(force), self.preload[:, None])
+            following = steady + ways * np.where(force * speeds < 0, self.backward[:, None], self.arm[:, None]) * pressing
             # The size is also what the largest force could do, because the force of a single guide may be nothing but rounding.
             return following, np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
 

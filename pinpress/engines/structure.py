@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from ..common.errors import PinpressError
 from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .constraints import Curve, LoopJoint, Relation
-from .contacts import Contact
-from .racks import Rack, find_racks
+from .contacts import Contact, racks
 
 ACCEPTED = 1e3  # multiples of rounding up to which a gap counts as closed
 ZERO = 1e-9  # singular values below this share of the largest are rounding, columns scaled to unit length
@@ -47,7 +46,8 @@ class Structure:
         axes: axes of the joints.
         misfit: gap that is left because redundant equations contradict each other, where the numbers of a file are rounded [m]; 0 where
             that gap is rounding. See `engines.misfit`.
-        contacts: where bodies push on each other by teeth, threads or rollers, by the multipliers of relations.
+        contacts: where bodies push on each other by teeth, threads or rollers, by the multipliers of relations; those of the linkage, then
+            those of racks that are relations alone.
     """
 
     model: pin.Model
@@ -163,11 +163,6 @@ class Structure:
         return drift
 
     @cached_property
-    def racks(self) -> tuple[Rack, ...]:
-        """The relations between whose joints teeth or threads push."""
-        return find_racks(self.parents, [axis.turns for axis in self.axes], self.relations)
-
-    @cached_property
     def coordinates(self) -> tuple[DriverCoordinate, ...]:
         """What the coordinates of the drivers are."""
         return tuple(CRANK if self.axes[driver].turns else RAM for driver in self.drivers)
@@ -196,6 +191,8 @@ def build_structure(
     """The structure of a linkage from Pinocchio's model of its tree, its loops, relations and contacts, and the indices of its drivers in
     v."""
     size, reach = _extent(model, loops)
+    own = axes(model)
+    nameless = racks(model, [axis.turns for axis in own], [axis.direction for axis in own], relations, contacts)
     return Structure(
         model=model,
         loops=loops,
@@ -204,8 +201,8 @@ def build_structure(
         size=size,
         rounding=8 * float(np.finfo(float).eps) * (size + reach),
         slots=slots(model),
-        axes=axes(model),
-        contacts=contacts,
+        axes=own,
+        contacts=(*contacts, *nameless),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -51,17 +52,23 @@ class AppliedConditions(NamedTuple):
         law: friction of the bearings; None for none.
         compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None where no stiffness is given.
         efforts: (nv, n) what springs, dampers and rotors in the joints supply, along the joints' axes [N m, N]; None where there are none.
+        friction: (bearings, n) efforts of friction that are known, in place of a law; None for none.
     """
 
     loads: list[AppliedForce]
     law: FrictionLaw | None
     compliance: Array | None
     efforts: Array | None = None
+    friction: Array | None = None
 
     def part(self, points: slice) -> AppliedConditions:
         """The conditions over a part of the motion."""
-        efforts = None if self.efforts is None else self.efforts[:, points]
-        return self._replace(loads=[load.part(points) for load in self.loads], efforts=efforts)
+        efforts, friction = (None if each is None else each[:, points] for each in (self.efforts, self.friction))
+        return self._replace(loads=[load.part(points) for load in self.loads], efforts=efforts, friction=friction)
+
+    def under(self, loads: Iterable[AppliedForce], friction: Array) -> AppliedConditions:
+        """The conditions under more loads and known efforts of friction (bearings, n)."""
+        return self._replace(loads=[*self.loads, *loads], law=None, friction=friction)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,7 +76,8 @@ class Wrenches:
     """Driving torques, and the forces and moments of the bearings.
 
     Bearings are the joints in Pinocchio's order, then the loops as declared. Forces and moments are in world axes, the action of parent on
-    child (of link1 on link2).
+    child (of link1 on link2). `engines.with_contacts` adds the contacts behind the bearings: the action of the first body on the second,
+    the moment about the point where they touch.
 
     Attributes:
         torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].
@@ -79,6 +87,7 @@ class Wrenches:
         force: (bearings, n, 3) forces [N]; (0, n, 3) where the bearings are left out.
         moment: (bearings, n, 3) moments about the origin of the child's joint frame, of a loop about its point [N m]; (0, n, 3) as above.
             Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
+        on_frame: what contacts do to the frame.
     """
 
     torque: Array
@@ -86,6 +95,7 @@ class Wrenches:
     friction: Array
     force: Array
     moment: Array
+    on_frame: tuple[AppliedForce, ...] = ()
 
     @staticmethod
     def zeros(drivers: int, relations: int, bearings: int, n: int, with_bearings: bool) -> Wrenches:
@@ -108,7 +118,9 @@ class BearingLoads(NamedTuple):
     Attributes:
         speed: (bearings, n) speeds of the bearings [rad/s, of a guide m/s].
         radial: (bearings, n, 3) vectors whose lengths are the radial forces; they are affine in accelerations, loads and efforts [N].
+        relations: (relations, n) efforts of the relations, as of `Wrenches`.
     """
 
     speed: Array
     radial: Array
+    relations: Array

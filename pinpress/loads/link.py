@@ -24,6 +24,7 @@ from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.parameters import Checked, in_declared_units, parameter
 from ..common.quantities import Array
 from ..engines.friction import FrictionLaw
+from ..engines.with_contacts import friction_law
 from .pneumatics import BalanceCylinder
 from .process import ProcessLoad, TimeForce
 
@@ -257,7 +258,7 @@ class Friction(Checked):
 
 
 def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
-    """The friction of a linkage's bearings; None where there is none.
+    """The friction of a linkage's bearings, with the losses of its contacts; None where there is neither.
 
     Raises:
         UnknownNameError: the linkage does not have a bearing of that name.
@@ -268,7 +269,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
     """
     if not isinstance(friction, Mapping):
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
-    if not friction:
+    if not (friction or any(contact.rubbing for contact in press.contacts)):
         return None
     size = press.size  # each look at it compares the whole model
     turns = [axis.turns for axis in press.axes] + [True] * len(press.loops)
@@ -290,4 +291,4 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
         plausibility.friction(shown(name), given.coefficient, given.radius or 0.0, size, given.preload)
         arm[index] = given.coefficient * (1.0 if given.radius is None else given.radius)
         viscous[index], preload[index] = given.viscous, given.preload
-    return FrictionLaw(arm, viscous, preload, np.array(turns), size) if arm.any() or viscous.any() else None
+    return friction_law(arm, viscous, preload, press.structure)

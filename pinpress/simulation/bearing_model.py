@@ -25,7 +25,8 @@ from ..common.numerics import NODES
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates
 from ..engines.friction import MOST_ITERATIONS, FrictionLaw, fixed_point
-from ..engines.wrenches import AppliedForce
+from ..engines.with_contacts import bearing_loads
+from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -88,23 +89,25 @@ class BearingModel(Panels):
         local = float(self.reduced.local(np.array([angle]))[0])
         panel, _, x = self.panel_of(local)
         rows = self.coefficients[panel] @ x**POWERS
-        moving, vectors = self._moving(rows[:count]), rows[count:].reshape(-1, components)
-        lever, accelerated = np.abs(moving), vectors[BY_ACCELERATION] / inertia
+        moving, vectors = way * self._moving(rows[:count]), rows[count:].reshape(-1, components)
+        lever, accelerated = np.where(law.pushes, 0.0, np.abs(moving)), vectors[BY_ACCELERATION] / inertia
         free = accelerated * net + vectors[BY_SQUARED_SPEED] * speed**2 + vectors[BY_WEIGHT]
         for row, force in enumerate(forces):
             if force:
                 free = free + vectors[BY_LOADS + row] * force
-        responses = vectors[-count:] * (-way * np.sign(moving))[:, None] - np.outer(way * lever, accelerated)
+        ways = np.where(law.pushes, 1.0, -np.sign(moving))
+        responses = vectors[-count:] * ways[:, None] - np.outer(way * lever, accelerated)
         viscous = law.viscous * lever * (way * speed)
         efforts = viscous
         for _ in range(MOST_ITERATIONS):
             radial = free + efforts @ responses
             across = np.sqrt(self.owners @ (radial * radial))
             pressing = np.maximum(across, law.preload)
-            gain = np.where(across > law.preload, law.arm, 0.0)  # of friction by the force; that of a preload stays as it is
+            arm = np.where((self.owners @ radial) * moving < 0, law.backward, law.arm)
+            gain = np.where(across > law.preload, arm, 0.0)  # of friction by the force; that of a preload stays as it is
             slopes = (self.owners * radial) @ responses.T * (gain / np.where(across > 0, across, 1.0))[:, None]
             try:
-                step = np.linalg.solve(np.eye(count) - slopes, viscous + law.arm * pressing - efforts)
+                step = np.linalg.solve(np.eye(count) - slopes, viscous + arm * pressing - efforts)
             except np.linalg.LinAlgError:
                 break
             efforts = efforts + step
@@ -160,10 +163,12 @@ class BearingStates:
         Raises:
             SimulationError: friction locks the linkage.
         """
-        law, lever = self.model.law, np.abs(self.speed)[:, :, None]
+        law, moving = self.model.law, (direction * self.speed)[:, :, None]
+        pushes = law.pushes[:, None, None]
+        lever = np.where(pushes, 0.0, np.abs(moving))
         along = direction * self.parts[BY_ACCELERATION, :, :, None]
         # the efforts act on the acceleration of the crank, too
-        responses = self.responses[..., None] * (-direction * np.sign(self.speed))[:, None, :, None] - along * (lever / inertia)[:, None]
+        responses = self.responses[..., None] * np.where(pushes, 1.0, -np.sign(moving))[:, None] - along * (lever / inertia)[:, None]
         free = along * (net / inertia) + self.parts[BY_SQUARED_SPEED, :, :, None] * speed**2 + self.parts[BY_WEIGHT, :, :, None]
         for row, force in forces.items():
             free = free + self.parts[BY_LOADS + row, :, :, None] * force
@@ -175,7 +180,8 @@ class BearingStates:
         def follow(efforts: Array) -> tuple[Array, Array]:
             radial = free + np.einsum("kcm,km->cm", flat, efforts.reshape(count, size)).reshape(free.shape)
             pressing = np.maximum(np.sqrt(np.tensordot(self.model.owners, radial * radial, axes=1)), law.preload[:, None, None])
-            following = viscous + law.arm[:, None, None] * pressing
+            backwards = np.tensordot(self.model.owners, radial, axes=1) * moving < 0
+            following = viscous + np.where(backwards, law.backward[:, None, None], law.arm[:, None, None]) * pressing
             return following, np.abs(following).max(axis=0)
 
         efforts, change = fixed_point(follow, viscous if start is None else start, 1e-14)
@@ -201,11 +207,11 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
         raise PinpressError(
             f"the bearing forces of {press.name} grow without bounds at its change point at {place}: simulate it without friction"
         )
-    with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    kept_law = FrictionLaw(
-        law.arm[with_friction], law.viscous[with_friction], law.preload[with_friction], law.turns[with_friction], law.size
-    )
-    count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
+    rubs = (law.arm > 0) | (law.backward > 0) | (law.viscous > 0)
+    pressed = bool((law.arm[: len(press.bearings)] > 0).any())  # what pushes gears apart matters to dry friction of bearings alone
+    with_friction = np.flatnonzero(rubs & (pressed | ~law.pushes))
+    kept_law = law.of(with_friction)
+    count, sampling = len(with_friction), _Sampling(press, law, with_friction, unit_forces)
     sampled, _ = resolve(sampling.rows, reduced.borders, sampling.missed)
     coefficients = sampled.coefficients
     speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(kept_law.turns, 1.0, press.size)
@@ -215,7 +221,7 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
     coefficients[:, np.flatnonzero(still)] = 0.0  # speeds of bearings that do not move are rounding
     vectors = coefficients[:, count:].reshape(len(coefficients), -1, count, 3, NODES)  # (p, parts, K, 3, q)
     size = np.abs(vectors).max(axis=(0, 4))
-    counts = (size > NOTHING * size.max(axis=(1, 2), keepdims=True)).any(axis=0) & (kept_law.arm > 0)[:, None]
+    counts = (size > NOTHING * size.max(axis=(1, 2), keepdims=True)).any(axis=0) & ((kept_law.arm > 0) | (kept_law.backward > 0))[:, None]
     counts[0, 0] |= not counts.any()  # of viscous friction alone no component counts; one makes no difference
     owners = np.zeros((count, int(counts.sum())))
     owners[np.nonzero(counts)[0], np.arange(owners.shape[1])] = 1.0
@@ -226,20 +232,21 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
 class _Sampling:
     """Samples of a linkage's bearings at crank angles."""
 
-    def __init__(self, press: Linkage, with_friction: NDArray[np.intp], unit_forces: Sequence[UnitForce]) -> None:
+    def __init__(self, press: Linkage, law: FrictionLaw, with_friction: NDArray[np.intp], unit_forces: Sequence[UnitForce]) -> None:
         """Begin with a linkage.
 
         Args:
             press: the linkage.
+            law: friction of all its bearings.
             with_friction: (K,) indices of the bearings with friction.
             unit_forces: of every coordinate of the loads.
         """
         self.press, self.with_friction, self.unit_forces = press, with_friction, unit_forces
-        self.turns = np.array([*(axis.turns for axis in press.axes), *[True] * len(press.loops)])[with_friction]
+        self.count, self.turns = len(law.turns), law.turns[with_friction]
 
     def rows(self, angles: Array) -> Array:
         """Rows (K + 3 K parts, n) at crank angles (n,): speeds, then the components of all parts."""
-        press, zero = self.press, np.zeros((len(self.press.bearings), len(angles)))
+        press, zero = self.press, np.zeros((self.count, len(angles)))
         motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
         states = motion.states(press)
         gravity, mass = float(np.linalg.norm(press.model.gravity.linear)), sum(float(inertia.mass) for inertia in press.model.inertias)
@@ -249,7 +256,8 @@ class _Sampling:
 
         def radial(v: float = 0.0, a: Array | float = 0.0, loads: Sequence[AppliedForce] = (), efforts: Array = zero) -> Array:
             state = ClosedStates(states.position, v * states.v, a + 0.0 * states.a, states.basis)
-            return press.engine().bearing_loads(state, loads, efforts, states.v).radial.transpose(0, 2, 1)
+            conditions = AppliedConditions(list(loads), None, None, friction=efforts)
+            return bearing_loads(press.engine(), state, conditions, states.v).radial.transpose(0, 2, 1)
 
         weight = radial()
 
@@ -269,7 +277,7 @@ class _Sampling:
             efforts, effort = zero.copy(), force * (press.size if turns else 1.0)
             efforts[bearing] = effort
             parts.append(part(radial(efforts=efforts), effort))
-        speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
+        speed = bearing_loads(press.engine(), states, AppliedConditions([], None, None, friction=zero), states.v).speed[self.with_friction]
         vectors = np.array(parts)
         # next to the largest forces others are rounding, as in the guide of a symmetric press; polynomials do not resolve it
         rubbing = np.where(np.abs(vectors) > NOTHING * np.abs(vectors).max(axis=(1, 2), keepdims=True), vectors, 0.0)[:, self.with_friction]

@@ -15,7 +15,7 @@ from ...common.quantities import Array, ComplexArray
 from ..body_motion import BodyMotion
 from ..engine import CloseDrivers, ClosedStates, Closure, JointRates
 from ..structure import Structure
-from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, BearingLoads, Wrenches
 from . import closing, kinematics
 from .bodies import Bodies, build_bodies
 from .equations import Equations
@@ -119,10 +119,10 @@ class PlanarEngine:
 
         return build_statics(self.bodies, self.equations)
 
-    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+    def bearing_loads(self, states: ClosedStates, conditions: AppliedConditions, rates: Array) -> BearingLoads:
         from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load
 
-        return bearing_loads(self._statics, self._closed(states), loads, efforts, rates)
+        return bearing_loads(self._statics, self._closed(states), conditions, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load

@@ -7,7 +7,6 @@ Signs: forces and moments of a joint are the action of parent on child, of a loo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +15,7 @@ from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..friction import FrictionLaw
-from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, BearingLoads, Wrenches
 from . import out_of_plane
 from .balance import (
     IdleForces,
@@ -97,7 +96,7 @@ def _fill(
     axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, moving.second.shape[1])
     idle = idle_forces(statics, configurations) if needed else None
     balanced = Balanced(statics, configurations, idle, conditions.compliance, conditions.efforts)
-    friction_efforts = None
+    friction_efforts = conditions.friction
     if friction is not None:
         friction_efforts = _friction(balanced, friction, tree, axial)
         result.friction[:] = -friction_efforts * friction.speeds
@@ -154,17 +153,13 @@ class Balanced(NamedTuple):
             add_idle_forces(self.idle, tree.array[self.statics.functions.count :], multipliers, self.compliance)
         return torque
 
-    def pressing(self, tree: OpenTree, bearing_efforts: Array) -> ComplexArray:
-        """Conjugate forces (bearings, n) with these efforts of friction, those between teeth included; the tree is kept."""
+    def pressing(self, tree: OpenTree, bearing_efforts: Array | None) -> tuple[ComplexArray, Array]:
+        """Conjugate forces (bearings, n) with these efforts of friction, and the multipliers (relations, n); the tree is kept."""
         count, plane = self.statics.functions.count, self.statics.plane
         copied = OpenTree.of(tree.array.copy(), count)
         multipliers = np.zeros((len(plane.offsets), tree.array.shape[1]))
         self.torque(copied, multipliers, bearing_efforts)
-        forces = copied.array[count:]
-        for rack in plane.racks:  # as `engines.racks` says
-            push = plane.relation_rows[rack.relation][rack.slide] * multipliers[rack.relation]
-            forces[rack.shaft] += push * direction_of(self.statics, self.configurations, rack.slide).conj()
-        return forces
+        return copied.array[count:], multipliers
 
 
 class FrictionState(NamedTuple):
@@ -187,7 +182,7 @@ def _friction(balanced: Balanced, friction: FrictionState, tree: OpenTree, axial
     slides = {joint: direction_of(balanced.statics, balanced.configurations, joint) for joint in plane.prismatic}
 
     def radial(friction_efforts: Array) -> Array:
-        forces = balanced.pressing(tree, friction_efforts)
+        forces, _ = balanced.pressing(tree, friction_efforts)
         sizes = np.abs(forces)
         for joint, direction in slides.items():
             sizes[joint] = np.abs((direction * forces[joint]).imag)
@@ -198,19 +193,20 @@ def _friction(balanced: Balanced, friction: FrictionState, tree: OpenTree, axial
     return friction.law.efforts(friction.speeds, radial, lambda state: plane.coordinate.at(float(friction.angle[state])))
 
 
-def bearing_loads(statics: Statics, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+def bearing_loads(statics: Statics, states: ClosedStates, conditions: AppliedConditions, rates: Array) -> BearingLoads:
     """See `Engine.bearing_loads`; the states have their basis."""
     plane, bodies, n = statics.plane, statics.bodies, states.v.shape[1]
+    loads, compliance = conditions.loads, conditions.compliance
     moving = _moving(statics, states)
-    balanced = Balanced(statics, moving.configurations, idle_forces(statics, moving.configurations), None)
-    forces = balanced.pressing(open_tree(statics, moving.configurations, moving.second, loads), efforts)
+    balanced = Balanced(statics, moving.configurations, idle_forces(statics, moving.configurations), compliance, conditions.efforts)
+    forces, multipliers = balanced.pressing(open_tree(statics, moving.configurations, moving.second, loads), conditions.friction)
     radial = np.stack([forces.real, -forces.imag, np.zeros(forces.shape)], axis=2)
-    axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
+    axial = out_of_plane.forces(bodies, loads, compliance, n) if out_of_plane.is_loaded(bodies, loads) else None
     for joint in plane.prismatic:
         radial[joint, :, 0], radial[joint, :, 1] = -(direction_of(statics, moving.configurations, joint) * forces[joint]).imag, 0.0
         if axial is not None:
             radial[joint, :, 2] = axial[joint]
-    return BearingLoads(_bearing_speeds(plane, rates), radial)
+    return BearingLoads(_bearing_speeds(plane, rates), radial, plane.relation_units[:, None] * multipliers)
 
 
 def _bearing_speeds(plane: Plane, rates: Array) -> Array:

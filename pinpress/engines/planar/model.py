@@ -29,7 +29,6 @@ from ...common.quantities import CRANK, RAM, Array, ComplexArray, DriverCoordina
 from ..blocks import ordered_groups
 from ..constraints import Relation
 from ..engine import PIECE
-from ..racks import Rack
 from ..structure import ACCEPTED, Structure, drawn_placements
 
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
@@ -97,7 +96,6 @@ class Plane:
         relation_rows: (nr,) the same by joints, rising, without zeros.
         relation_units: (nr,) lengths by which relations are multiplied: ``size`` for those that determine a joint that turns, else 1.
         offsets: (nr,) right-hand sides of the relations.
-        racks: the relations between whose joints teeth push.
         blocks: the equations in the order in which they are solved.
         subtree: (nv, nv) 1 where joint j (the row) carries the link of joint k.
         incidence: (nv, nl) +1 where joint j carries only end 2 of loop l, -1 where it carries only end 1.
@@ -130,7 +128,6 @@ class Plane:
     relation_rows: tuple[Mapping[int, float], ...]
     relation_units: Array
     offsets: Array
-    racks: tuple[Rack, ...]
     blocks: tuple[Block, ...]
     subtree: Array
     incidence: Array
@@ -295,7 +292,6 @@ def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
         relation_rows=tuple({joint: float(row[joint]) for joint in np.flatnonzero(row).tolist()} for row in slopes),
         relation_units=units,
         offsets=units * [relation.offset for relation in relations],
-        racks=structure.racks,
         blocks=blocks,
         subtree=carried.T.copy(),
         incidence=structure.incidence,

@@ -16,7 +16,7 @@ from ..body_motion import BodyMotion
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, JointRates
 from ..pinocchio.equations import redundant
 from ..structure import Structure
-from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, BearingLoads, Wrenches
 from . import bodies, closing, equations
 from .equations import AT_ONCE, Kinematics, Loops, build_loops
 
@@ -94,10 +94,10 @@ class EngineInSpace(ABC):
 
         return inverse_dynamics(self.loops, states, conditions, bearings, self._method())
 
-    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+    def bearing_loads(self, states: ClosedStates, conditions: AppliedConditions, rates: Array) -> BearingLoads:
         from .inverse_dynamics import bearing_loads  # not needed to load
 
-        return bearing_loads(self.loops, states, loads, efforts, rates, self._method())
+        return bearing_loads(self.loops, states, conditions, rates, self._method())
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         from .inverse_dynamics import indeterminate  # not needed to load

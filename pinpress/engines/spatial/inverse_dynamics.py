@@ -62,7 +62,7 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
         acting = conditions.part(piece)
         balance = _Balance(loops, part, acting.loads, conditions.compliance, by, acting.efforts)
         if law is None:
-            friction = _Friction(np.zeros_like(part.v), np.zeros((len(structure.loops), 3, part.v.shape[1])))
+            friction = balance.known_friction(acting.friction)
             multipliers = balance.multipliers(friction, shared=bearings)
         else:
             speeds = law.moving(balance.speeds()) if fastest is None else fastest[:, piece]
@@ -73,18 +73,21 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
 
 
 def bearing_loads(
-    loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array, by: Method
+    loops: Loops, states: ClosedStates, conditions: AppliedConditions, rates: Array, by: Method
 ) -> BearingLoads:
     """See `Engine.bearing_loads`."""
-    n = states.v.shape[1]
-    speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
+    n, structure = states.v.shape[1], loops.structure
+    speed, relations = np.empty((structure.model.nv + len(structure.loops), n)), np.empty((len(structure.relations), n))
+    radial = np.empty((*speed.shape, 3))
     for start in range(0, n, loops.piece):
         piece = slice(start, start + loops.piece)
-        balance = _Balance(loops, states.part(piece), [load.part(piece) for load in loads], None, by)
+        acting = conditions.part(piece)
+        balance = _Balance(loops, states.part(piece), acting.loads, acting.compliance, by, acting.efforts)
         speed[:, piece], directions = balance.ways(rates[:, piece])
-        multipliers = balance.multipliers(balance.friction(efforts[:, piece], directions))
+        multipliers = balance.multipliers(balance.known_friction(acting.friction))
         radial[:, piece] = balance.radial(multipliers, directions).transpose(0, 2, 1)
-    return BearingLoads(speed, radial)
+        relations[:, piece] = balance.efforts_of_relations(multipliers)
+    return BearingLoads(speed, radial, relations)
 
 
 def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -196,6 +199,12 @@ class _Balance:
         """Friction of efforts (bearings, n) about directions (bearings, 3, n)."""
         return _Friction(efforts[: self.count], efforts[self.count :, None] * directions[self.count :])
 
+    def known_friction(self, efforts: Array | None) -> _Friction:
+        """Friction of efforts (bearings, n) that are known; None for none."""
+        if efforts is None:
+            return _Friction(np.zeros_like(self.states.v), np.zeros((len(self.loops.structure.loops), 3, self.n)))
+        return self.friction(efforts, self.ways(self.states.v)[1])
+
     def speeds(self) -> Array:
         """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
         return _all_speeds(self.loops, self.equations.placed, self.states.v)
@@ -232,12 +241,12 @@ class _Balance:
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
         """Vectors (bearings, 3, n) across the axes of the bearings, whose lengths are the radial forces [N]."""
-        forces, placed, structure = self._forces(multipliers), self.equations.placed, self.loops.structure
-        for rack in structure.racks:
-            row = self.loops.rows - len(structure.relations) + rack.relation
-            efforts = structure.relation_units[rack.relation] * multipliers[row]
-            forces[rack.shaft] += rack.by_torque * efforts * placed.axis[rack.slide]
-        return cross(forces, directions)
+        return cross(self._forces(multipliers), directions)
+
+    def efforts_of_relations(self, multipliers: Array) -> Array:
+        """Efforts (relations, n) on the joints that the relations determine."""
+        units = self.loops.structure.relation_units
+        return np.asarray(units[:, None] * multipliers[self.loops.rows - len(units) :])
 
     def _forces(self, multipliers: Array) -> Array:
         """Forces (bearings, 3, n) of all bearings [N], from multipliers (rows, n)."""
@@ -323,11 +332,9 @@ class _Balance:
 
     def fill(self, result: Wrenches, multipliers: Array, friction: _Friction, bearings: bool) -> None:
         """Write the wrenches of these states into the result."""
-        loops, structure = self.loops, self.loops.structure
-        driving = list(structure.drivers)
+        driving = list(self.loops.structure.drivers)
         result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.equations.driving, multipliers)
-        units = structure.relation_units
-        result.relations[:] = units[:, None] * multipliers[loops.rows - len(units) :]
+        result.relations[:] = self.efforts_of_relations(multipliers)
         if bearings:
             result.force[:] = self._forces(multipliers).transpose(0, 2, 1)
             result.moment[:] = self._moments(multipliers, friction).transpose(0, 2, 1)

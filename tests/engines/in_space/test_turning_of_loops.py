@@ -8,6 +8,7 @@ from support.generators.spatial_crank_slide import SPATIAL
 from support.generators.spatial_linkages import Drawing, four_bar
 
 import pinpress as pp
+from pinpress.engines.wrenches import AppliedConditions
 from pinpress.loads.link import Friction
 
 ENGINES = ("space", "pinocchio")
@@ -15,7 +16,7 @@ ENGINES = ("space", "pinocchio")
 
 def loads_at(press, engine, angles):
     states = pp.servo_cycle(press, angles, speed=1.0, acceleration=0.0).states(press)
-    return press.engine(engine).bearing_loads(states, (), np.zeros((len(press.bearings), len(angles))), states.v)
+    return press.engine(engine).bearing_loads(states, AppliedConditions([], None, None), states.v)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

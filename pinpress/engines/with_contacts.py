@@ -1,0 +1,251 @@
+"""Inverse dynamics of linkages whose bodies push on each other by teeth or threads: what acts there, in place of efforts in joints.
+
+Engines balance all forces with the effort of each relation on the joints that it names. The wrench of its contact has the same power in
+every motion of the closed linkage. So a first pass of the engine gives motion, driving torque and efforts of the relations, and a second
+one, with the wrenches of the contacts as loads on their bodies, finds the efforts in joints zero, and all bearing forces as they are. This
+holds for every engine, and for carriers that only loops join to their gears.
+
+Rubbing and the forces that push gears apart depend on the sizes of efforts. Each is one more row of the friction law, behind the bearings:
+first every `Rubbing`, then every contact with a push. A row of a contact has the effort of its relation for a radial force, with its sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..common.quantities import Array
+from .contacts import Contact, Rubbing
+from .engine import ClosedStates, Engine
+from .friction import FrictionLaw
+from .sharing import share
+from .structure import Structure
+from .wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Wrenches
+
+Balance = Callable[[Sequence[AppliedForce]], BearingLoads]
+"""The bearings and the efforts of relations under these loads in addition."""
+
+
+def friction_law(arm: Array, viscous: Array, preload: Array, structure: Structure) -> FrictionLaw | None:
+    """The friction of bearings, (bearings,) each as in `FrictionLaw`, and of the contacts; None where there is none."""
+    rubbings, pushing = list(_rubbings(structure)), list(_pushing(structure))
+    rubs = any(rubbing.forward or rubbing.backward for _, rubbing in rubbings)
+    if not (arm.any() or viscous.any() or rubs):
+        return None
+    contacts = [contact for contact, _ in rubbings] + pushing
+    none = np.zeros(len(contacts))
+    turns = [*structure.turns, *[True] * len(structure.loops), *(structure.axes[structure.relations[c.relation].joint].turns for c in contacts)]
+    return FrictionLaw(
+        arm=np.array([*arm, *(rubbing.forward for _, rubbing in rubbings), *[1.0] * len(pushing)]),
+        backward=np.array([*arm, *(rubbing.backward for _, rubbing in rubbings), *map(_push_backward, pushing)]),
+        viscous=np.concatenate([viscous, none]),
+        preload=np.concatenate([preload, none]),
+        turns=np.array(turns),
+        pushes=np.arange(len(turns)) >= len(turns) - len(pushing),
+        size=structure.size,
+    )
+
+
+def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedConditions, bearings: bool = True) -> Wrenches:
+    """`Engine.inverse_dynamics` with what acts in contacts; forces, moments and power lost of the contacts come behind the bearings."""
+    structure, law = engine.structure, conditions.law
+    if not structure.contacts:
+        return engine.inverse_dynamics(states, conditions, bearings)
+    placed = _Placed(engine, states)
+    rows, n = np.zeros((placed.bearings + placed.rows, states.v.shape[1])), states.v.shape[1]
+    speeds, efforts = rows, rows
+    if law is not None:
+        speeds = law.moving(bearing_loads(engine, states, conditions._replace(law=None, friction=rows), states.v).speed)
+
+        def pressing(efforts: Array) -> Array:
+            radial = bearing_loads(engine, states, conditions._replace(law=None, friction=efforts), states.v).radial
+            sizes = np.sqrt(np.einsum("bni,bni->bn", radial, radial))
+            return np.where(np.arange(len(radial))[:, None] < placed.bearings, sizes, radial[:, :, 0])
+
+        efforts = law.efforts(speeds, pressing, lambda state: structure.place(states.position[:, state]))
+    acting = conditions.under(placed.rubbing(efforts), efforts[: placed.bearings])
+    result = engine.inverse_dynamics(states, acting, bearings=False)
+    friction = np.concatenate([-efforts[: placed.bearings] * speeds[: placed.bearings], placed.lost(efforts, speeds)])
+    if not bearings:
+        return Wrenches(result.torque, result.relations, friction, result.force, result.moment)
+    relations = [contact.relation for contact in structure.contacts]
+    by_effort = placed.efforts(lambda loads: engine.bearing_loads(states, acting.under(loads, acting.friction), states.v), result.relations)
+    if law is None:
+        efforts = np.concatenate([rows[: placed.bearings + len(placed.rubbings)], np.abs(by_effort[placed.pushing])])
+        acting = conditions.under(placed.rubbing(efforts), rows[: placed.bearings])
+    pushed = placed.loads(by_effort)
+    found = engine.inverse_dynamics(states, acting.under(pushed, acting.friction), bearings=True)
+    found.relations[relations] += by_effort
+    force, moment = placed.of_first_on_second(by_effort, efforts)
+    return Wrenches(
+        torque=result.torque,
+        relations=found.relations,
+        friction=friction,
+        force=np.concatenate([found.force, force]),
+        moment=np.concatenate([found.moment, moment]),
+        on_frame=tuple(load for load in (*acting.loads[len(conditions.loads) :], *pushed) if load.joint == 0),
+    )
+
+
+def bearing_loads(engine: Engine, states: ClosedStates, conditions: AppliedConditions, rates: Array) -> BearingLoads:
+    """`Engine.bearing_loads` with what acts in contacts; ``conditions.friction`` and the result have the rows of contacts, too."""
+    if not engine.structure.contacts or conditions.friction is None:
+        return engine.bearing_loads(states, conditions, rates)
+    placed = _Placed(engine, states)
+    acting = conditions.under(placed.rubbing(conditions.friction), conditions.friction[: placed.bearings])
+
+    def balance(loads: Sequence[AppliedForce]) -> BearingLoads:
+        return engine.bearing_loads(states, acting.under(loads, acting.friction), rates)
+
+    efforts = placed.efforts(balance)
+    found = balance(placed.loads(efforts))
+    radial = np.zeros((placed.rows, *found.radial.shape[1:]))
+    radial[:, :, 0] = efforts[placed.owners]
+    speed = placed.speeds(engine, states, rates)
+    return BearingLoads(np.concatenate([found.speed, speed]), np.concatenate([found.radial, radial]), found.relations)
+
+
+def _rubbings(structure: Structure) -> Iterator[tuple[Contact, Rubbing]]:
+    return ((contact, rubbing) for contact in structure.contacts for rubbing in contact.rubbing)
+
+
+def _pushing(structure: Structure) -> Iterator[Contact]:
+    return (contact for contact in structure.contacts if contact.unit.push.any())
+
+
+def _push_backward(contact: Contact) -> float:
+    """Share of the push where the second body drives."""
+    sizes = [np.linalg.norm(rubbing.push_backward) for rubbing in contact.rubbing if rubbing.push_backward is not None]
+    return float(sizes[0] / np.linalg.norm(contact.unit.push)) if sizes else 1.0
+
+
+class _Placed:
+    """The contacts of a linkage in n states. Efforts of contacts are (contacts, n), of friction (bearings + rows, n)."""
+
+    def __init__(self, engine: Engine, states: ClosedStates) -> None:
+        self.structure, self.contacts = engine.structure, engine.structure.contacts
+        self.units = [contact.wrench(states.position) for contact in self.contacts]
+        self.bearings = len(states.v) + len(self.structure.loops)
+        self.rubbings = list(_rubbings(self.structure))
+        self.pushing = [self.contacts.index(contact) for contact in _pushing(self.structure)]
+        self.owners = [self.contacts.index(contact) for contact, _ in self.rubbings] + self.pushing
+        self.rows = len(self.owners)
+        self.redundant = engine.redundant(states.position[:, 0])
+        n, bodies = states.v.shape[1], {body for contact in self.contacts for body in (contact.carrier, contact.first, contact.second)}
+        bodies |= {body for _, rubbing in self.rubbings for body in (rubbing.first, rubbing.second)}
+        self.bodies = sorted(bodies - {0})
+        motion = engine.body_motion(states, self.bodies, accelerations=False)
+        self.rotation = {0: np.broadcast_to(np.eye(3), (n, 3, 3))} | dict(zip(self.bodies, motion.rotation.transpose(0, 3, 1, 2), strict=True))
+        self.origin = {0: np.zeros((n, 3))} | dict(zip(self.bodies, motion.origin.transpose(0, 2, 1), strict=True))
+
+    def loads(self, by_effort: Array) -> list[AppliedForce]:
+        """What efforts of the contacts do to their bodies, without pushes."""
+        return self._on_bodies(
+            (contact, body, unit.point, unit.force * effort, unit.couple * effort)
+            for contact, own, effort in zip(self.contacts, self.units, by_effort[..., None], strict=True)
+            for body, unit in contact.actions(own)
+        )
+
+    def rubbing(self, efforts: Array) -> list[AppliedForce]:
+        """What friction and pushes in contacts do to bodies."""
+        return self._on_bodies(self._rubbing(efforts[self.bearings :, :, None]))
+
+    def _rubbing(self, efforts: Array) -> Iterator[tuple[Contact, int, Array, Array, Array]]:
+        for (contact, rubbing), owner, effort in zip(self.rubbings, self.owners, efforts, strict=False):
+            for body, sign in ((rubbing.second, effort), (rubbing.first, -effort)):
+                yield contact, body, self.units[owner].point, rubbing.force * sign, rubbing.couple * sign
+        for owner, effort in zip(self.pushing, efforts[len(self.rubbings) :], strict=True):
+            for body, unit in self.contacts[owner].actions(self.units[owner]):
+                yield self.contacts[owner], body, unit.point, unit.push * effort, ORIGIN
+
+    def _on_bodies(self, wrenches: Iterator[tuple[Contact, int, Array, Array, Array]]) -> list[AppliedForce]:
+        """Loads of wrenches in the axes of carriers, one a body."""
+        sums: dict[int, AppliedForce] = {}
+        for contact, body, point, force, couple in wrenches:
+            place, vector, moment = self._place(contact, point), self._turned(contact, force), self._turned(contact, couple)
+            moment = moment + np.cross(place - self.origin[body], vector)
+            before = sums.get(body)
+            if before is not None and before.moment is not None:
+                vector, moment = vector + before.force, moment + before.moment
+            sums[body] = AppliedForce(body, ORIGIN, vector, moment)
+        return list(sums.values())
+
+    def _turned(self, contact: Contact, vectors: Array) -> Array:
+        """Vectors (3,) or (n, 3) in the axes of the carrier as those (n, 3) of the world."""
+        return np.asarray((self.rotation[contact.carrier] @ vectors[..., None])[..., 0])
+
+    def _place(self, contact: Contact, point: Array) -> Array:
+        return self._turned(contact, point) + self.origin[contact.carrier]
+
+    def speeds(self, engine: Engine, states: ClosedStates, rates: Array) -> Array:
+        """Speeds (rows, n) with which contacts rub at joint rates (nv, n)."""
+        speeds = np.zeros((self.rows, rates.shape[1]))
+        if not self.rubbings:
+            return speeds
+        motion = engine.body_motion(replace(states, v=rates), self.bodies, accelerations=False)
+        moving = dict(zip(self.bodies, zip(motion.velocity.transpose(0, 2, 1), motion.spin.transpose(0, 2, 1), strict=True), strict=True))
+        for row, ((contact, rubbing), owner) in enumerate(zip(self.rubbings, self.owners, strict=False)):
+            force, couple = self._turned(contact, rubbing.force), self._turned(contact, rubbing.couple)
+            place = self._place(contact, self.units[owner].point)
+            for body, sign in ((rubbing.second, 1.0), (rubbing.first, -1.0)):
+                if body:
+                    velocity, spin = moving[body]
+                    turning = couple + np.cross(place - self.origin[body], force)
+                    speeds[row] += sign * (np.einsum("ni,ni->n", force, velocity) + np.einsum("ni,ni->n", turning, spin))
+            if rubbing.push_backward is not None:
+                speeds[len(self.rubbings) + self.pushing.index(owner)] = speeds[row]
+        return speeds
+
+    def lost(self, efforts: Array, speeds: Array) -> Array:
+        """Power lost (contacts, n) in the contacts."""
+        lost = np.zeros((len(self.contacts), speeds.shape[1]))
+        for row, owner in enumerate(self.owners[: len(self.rubbings)], self.bearings):
+            lost[owner] -= efforts[row] * speeds[row]
+        return lost
+
+    def of_first_on_second(self, by_effort: Array, efforts: Array) -> tuple[Array, Array]:
+        """Forces and moments (contacts, n, 3) of the first on the second bodies at the points where they touch, of one of several planets."""
+        n, rows = by_effort.shape[1], efforts[self.bearings :, :, None]
+        force, moment = np.zeros((2, len(self.contacts), n, 3))
+        for k, (contact, unit, effort) in enumerate(zip(self.contacts, self.units, by_effort[..., None], strict=True)):
+            own, couple = unit.force * effort, unit.couple * effort
+            if k in self.pushing:
+                own = own + unit.push * rows[len(self.rubbings) + self.pushing.index(k)]
+            for (_, rubbing), owner, rubbed in zip(self.rubbings, self.owners, rows, strict=False):
+                if owner == k and {rubbing.first, rubbing.second} == {contact.first, contact.second}:
+                    sign = 1.0 if rubbing.second == contact.second else -1.0
+                    own, couple = own + sign * rubbing.force * rubbed, couple + sign * rubbing.couple * rubbed
+            force[k], moment[k] = self._turned(contact, own / contact.count), self._turned(contact, couple / contact.count)
+        return force, moment
+
+    def efforts(self, balance: Balance, relations: Array | None = None) -> Array:
+        """Efforts (contacts, n) of the contacts.
+
+        Where redundant equations leave them open, the residual efforts in joints come to nothing, and among what is left the bearings are
+        loaded as `engines.sharing` says.
+
+        Args:
+            balance: of the linkage.
+            relations: (relations, n) efforts of relations without contacts, where they are known.
+        """
+        own = [contact.relation for contact in self.contacts]
+        if not self.redundant:
+            return (balance(()).relations if relations is None else relations)[own]
+        start = balance(())
+        count, n = len(own), start.relations.shape[1]
+        size = float(np.abs(start.relations[own]).max()) or 1.0
+        residuals, forces = np.zeros((count, count, 3, n)), np.zeros((count, self.bearings, 3, n))
+        for k in range(count):
+            single = np.zeros((count, n))
+            single[k] = size
+            found = balance(self.loads(single))
+            residuals[k, :, 0] = (found.relations - start.relations)[own] / size
+            forces[k] = (found.radial - start.radial).transpose(0, 2, 1) / size
+        rest = np.zeros((count, 3, n))
+        rest[:, 0] = start.relations[own]
+        scale = max([1.0 / self.structure.size, *(float(np.linalg.norm(unit.force, axis=-1).max()) for unit in self.units)])
+        idle = np.broadcast_to(np.eye(count)[:, :, None], (count, count, n))
+        shared = share(slice(None), idle, [(residuals, 1.0), (forces, scale)], self.structure.rank_tolerance)
+        return shared.added([rest, start.radial.transpose(0, 2, 1)])
