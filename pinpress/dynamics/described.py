@@ -31,7 +31,7 @@ from .applied_loads import process_work, turning_points
 from .driving_energy import driving_energy
 from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, rounding, torque_without_rounding
 from .harmonics import HarmonicAnalysis, harmonics
-from .reactions import Reactions
+from .reactions import Reactions, carrying
 
 BEYOND = 1.25  # height shown over the process, divided by the largest at which there is a force
 CLOSED = 1e-12  # gap [lengths of the linkage] or residual that is rounding
@@ -402,12 +402,13 @@ def works(name: str, title: str, work: Mapping[str, float]) -> list[Bars]:
 
 def _gear_pairs(reactions: Reactions) -> Section:
     press = reactions._press
-    toothless = len(reactions.coupling_torque) > len(press.structure.racks)
+    toothed = {contact.relation for contact in press.structure.contacts}
+    toothless = any(relation.is_pair and k not in toothed for k, relation in enumerate(press.relations))
     left_out = "; bearing forces leave out those between the teeth of two shafts" if toothless else ""
     places = replace(Places.at_peaks(reactions), heights=None)
     figures: list[Figure] = []
-    for name, torque in at_peaks(reactions).reactions.coupling_torque.items():
-        unit = "N m" if press.axes[press.joints.index(name)].turns else "N"
+    for pair, (name, torque) in zip(press.couplings, at_peaks(reactions).reactions.coupling_torque.items(), strict=True):
+        unit = "N m" if press.axes[pair.follower].turns else "N"
         figures += [extreme(f"{name}, largest", torque[:, 0], unit, np.argmax, places)]
         figures += [extreme(f"{name}, smallest", torque[:, 0], unit, np.argmin, places)]
     return Section("Gear pairs", figures, note=f"Torque or force on the joint that mimics, along its axis{left_out}." if figures else "")
@@ -467,7 +468,7 @@ def bearing_table(reactions: Reactions) -> Table:
     """The largest force and moment of every bearing over a motion's states, in the order of the drawing, where the crank and the slide are
     then, and the range of the force along each axis."""
     places, press, reactions = Places.at_peaks(reactions), reactions._press, at_peaks(reactions).reactions
-    names = [name for name in press.bearings_as_drawn if name in reactions.bearing_force]
+    names = [name for name in carrying(press, as_drawn=True) if name in reactions.bearing_force]
     sizes = {name: np.linalg.norm(reactions.bearing_force[name], axis=1) for name in names}
     moments = [float(np.linalg.norm(reactions.bearing_moment[name], axis=1).max(initial=0.0)) for name in names]
     largest = max((float(size.max()) for size in sizes.values()), default=0.0)

@@ -20,7 +20,7 @@ from ..common.results import Record, Records
 from ..kinematics.motion import ROUNDING, Motion, finite, is_constant
 from ..kinematics.poses import poses
 from .peaks import PeakStates, peak_states
-from .reactions import Reactions
+from .reactions import Reactions, carrying
 
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
 AXES = ("x", "y", "z")
@@ -212,7 +212,7 @@ def rounding(reactions: Reactions) -> Rounding:
 
 
 def finite_forces(reactions: Reactions) -> dict[str, Array]:
-    """Bearing forces (n, 3) [N] by the bearings' names, in the order of the drawing.
+    """Forces (n, 3) [N] in bearings, in the order of the drawing, and in contacts, by their names.
 
     Raises:
         PinpressError: bearings were left out (the largest force decides what is rounding), or a force is not finite.
@@ -222,7 +222,7 @@ def finite_forces(reactions: Reactions) -> dict[str, Array]:
             f"charts need all bearings, and {', '.join(reactions.left_out)} were left out: make the reactions without bearings=..."
         )
     forces = reactions.bearing_force
-    return {name: finite(f"force in {name}", forces[name]) for name in reactions._press.bearings_as_drawn}
+    return {name: finite(f"force in {name}", forces[name]) for name in carrying(reactions._press, as_drawn=True)}
 
 
 def torque_without_rounding(reactions: Reactions) -> Array:

@@ -10,7 +10,6 @@ import numpy as np
 from ..common.arguments import typed
 from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, NamedArrays
-from ..common.quantities import Array
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine

@@ -18,18 +18,19 @@ from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.errors import PinpressError, sendable
-from ..common.frozen import NamedArrays, read_only
+from ..common.frozen import FrozenMapping, NamedArrays, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..engines.energies import power_balance
 from ..engines.engine import Engine
-from ..engines.with_contacts import inverse_dynamics
+from ..engines.with_contacts import indeterminate, inverse_dynamics
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion, blank, filled
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import applied_loads
 from .shaking import shaking
+from .teeth import ToothForces, tooth_forces
 
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
@@ -54,18 +55,22 @@ class Reactions(Tabular):
             drivers, motors first. At passive coordinates it is rounding where they are free, else what holds them.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
             mimics, along their axes [N m; N on a joint that slides]. Where no bearings were asked for, they are computed when they are
-            first read. Forces between the teeth of two shafts are left out of the shafts' bearings; those of a rack or a screw are in them.
-        bearing_force: (n, 3) by the names of the joints and loops that were asked for [N].
-        bearing_moment: (n, 3) by the names of the joints and loops that were asked for [N m].
-        left_out: names of the joints and loops that were not asked for.
-        friction_power: (n,) power lost, by the names of all joints and loops [W].
+            first read. Forces between the teeth of two shafts are left out of the shafts' bearings; those of a machine element (such as
+            ``<gear_mesh>``), and of a shaft and a slide, are in them. Of a machine element that relates two joints it stands under its
+            name, on the joint that the element determines and on the other one.
+        bearing_force: (n, 3) by the names of the joints, loops and machine elements that were asked for [N]; of a machine element that of
+            its first on its second link at the point where they touch, of one of several planets.
+        bearing_moment: (n, 3) by the same names [N m]; of a machine element about the point where its links touch.
+        left_out: names of the joints, loops and machine elements that were not asked for.
+        friction_power: (n,) power lost, by the names of all joints, loops and machine elements [W].
         shaking_force: (n, 3) [N]. It is computed when it is first read, from the bearings on the frame, even if they were left out.
         shaking_moment: (n, 3) about the world origin [N m], computed with the shaking force.
         held_moment: (n,) by the names of the held joints (`Linkage.held`): torque that holds the spin, along the joint's axis [N m; N
             on a joint that slides]. It is rounding where nothing turns the link.
-        indeterminate: (6,) bool by the names of all joints and loops: which components of force and moment, three each, rigid mechanics
-            leaves open because of redundant constraints. They are shared by least squares, by default with the least sum of squared bearing
-            forces. In a planar press without redundant equations in its plane they are the forces along the normal and the tilting moments.
+        indeterminate: (6,) bool by the names of all joints, loops and machine elements: which components of force and moment, three each,
+            rigid mechanics leaves open because of redundant constraints. They are shared by least squares, by default with the least sum of
+            squared bearing forces. In a planar press without redundant equations in its plane they are the forces along the normal and the
+            tilting moments.
         indeterminate_axes: (3, 3) directions of these components, as rows: world x, y, z; for a planar linkage whose normal is no world
             axis the horizontal in the plane, the normal, and the upward direction in the plane.
         indeterminate_coupling: bool by the name of a joint with a ``<mimic>``: whether rigid mechanics leaves the gear pair's torque open.
@@ -172,7 +177,16 @@ class Reactions(Tabular):
 
     @property
     def indeterminate(self) -> NamedArrays[np.bool_]:
-        return NamedArrays(self._press.bearings, self._indeterminate[0])
+        names = carrying(self._press)
+        return NamedArrays(names, self._indeterminate[0][: len(names)])
+
+    @property
+    def mesh(self) -> Mapping[str, ToothForces]:
+        """Tangential, radial and axial forces (n,) of the first on the second link, and the power lost in the teeth, by the names of the
+        machine elements that were asked for; see `ToothForces`."""
+        asked = [contact for contact in self._press.contacts if contact.name in self.bearing_force]
+        found = ((c.name, self.bearing_force[c.name], self.friction_power[c.name], c) for c in asked)
+        return FrozenMapping({name: tooth_forces(self._press, self.motion, c, force, power) for name, force, power, c in found})
 
     @property
     def indeterminate_coupling(self) -> NamedArrays[np.bool_]:
@@ -188,7 +202,7 @@ class Reactions(Tabular):
         positions, press = self._filled.joint_position.T, self._press
         # 256 states are enough: the rank hardly changes along a motion.
         some = positions[:, :: max(1, positions.shape[1] // 256)]
-        return press.engine(self.engine).indeterminate(some, self.indeterminate_axes)
+        return indeterminate(press.engine(self.engine), some, self.indeterminate_axes)
 
     @property
     def shaking_force(self) -> Array:
@@ -239,8 +253,8 @@ class Reactions(Tabular):
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""
         columns = self.motion.columns() | self._driving
-        for name, torque in self.coupling_torque.items():
-            turns = self._press.axes[self._press.joints.index(name)].turns
+        for pair, (name, torque) in zip(self._press.couplings, self.coupling_torque.items(), strict=True):
+            turns = self._press.axes[pair.follower].turns
             columns[f"coupling_torque_{name} [N m]" if turns else f"coupling_force_{name} [N]"] = torque[:, 0]
         columns |= tables.by_axis("shaking_force", "N", self.shaking_force) | tables.by_axis("shaking_moment", "N m", self.shaking_moment)
         for name, force in self.bearing_force.items():
@@ -251,9 +265,9 @@ class Reactions(Tabular):
         return columns
 
 
-def carrying(press: Linkage) -> tuple[str, ...]:
-    """Names of all that transmits forces: bearings, then contacts."""
-    return press.bearings + tuple(contact.name for contact in press.contacts)
+def carrying(press: Linkage, as_drawn: bool = False) -> tuple[str, ...]:
+    """Names of all that transmits forces: bearings, in their own order or that of the drawing, then contacts."""
+    return (press.bearings_as_drawn if as_drawn else press.bearings) + tuple(contact.name for contact in press.contacts)
 
 
 def find_wrenches(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, bearings: bool) -> Wrenches:

@@ -67,14 +67,14 @@ class Planets(NamedTuple):
     """Equal planets of which one stands for all. Vectors are in the carrier's joint frame.
 
     Attributes:
-        count: how many they are.
+        number: how many they are.
         planet: Pinocchio joint of the one that is drawn, one of the two bodies of the contact.
         pin: (3,) its centre [m].
         center: (3,) centre of the sun or ring, the other body [m].
         axis: (3,) direction of the axes of all gears.
     """
 
-    count: int
+    number: int
     planet: int
     pin: Array
     center: Array
@@ -117,7 +117,7 @@ class Contact(Frozen):
     @property
     def count(self) -> int:
         """How many equal contacts take a part of the effort each."""
-        return 1 if self.planets is None else self.planets.count
+        return 1 if self.planets is None else self.planets.number
 
     def actions(self, unit: UnitWrench) -> list[tuple[int, UnitWrench]]:
         """What acts on bodies, by their Pinocchio joints, where the first body does this to the second one; in balance altogether."""
@@ -131,7 +131,11 @@ class Contact(Frozen):
         other = UnitWrench(center, -_along(force, axis), -_along(couple + np.cross(point - center, force), axis))
         # the pins of the planets that are not drawn
         rest = -(own.couple + other.couple + np.cross(center - point, other.force))
-        return [(planet, own), (self.first + self.second - planet, other), (self.carrier, UnitWrench(point, -own.force - other.force, rest, -own.push))]
+        return [
+            (planet, own),
+            (self.first + self.second - planet, other),
+            (self.carrier, UnitWrench(point, -own.force - other.force, rest, -own.push)),
+        ]
 
 
 def _times(unit: UnitWrench, sign: float) -> UnitWrench:
@@ -142,7 +146,9 @@ def _along(vectors: Array, axis: Array) -> Array:
     return np.asarray((vectors @ axis)[..., None] * axis)
 
 
-def racks(model: pin.Model, turns: Sequence[bool], axes: Sequence[Array], relations: Sequence[Relation], named: Sequence[Contact]) -> Iterator[Contact]:
+def racks(
+    model: pin.Model, turns: Sequence[bool], axes: Sequence[Array], relations: Sequence[Relation], named: Sequence[Contact]
+) -> Iterator[Contact]:
     """The contacts of relations between a shaft and a slide that the same body carries, as a pinion and its rack or a screw and its nut,
     which have none of their own.
 

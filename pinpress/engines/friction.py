@@ -39,8 +39,8 @@ class FrictionLaw:
 
     def of(self, rows: NDArray[np.intp]) -> FrictionLaw:
         """The law of some of the rows."""
-        arrays = (self.arm, self.backward, self.viscous, self.preload, self.turns, self.pushes)
-        return FrictionLaw(*(array[rows] for array in arrays), self.size)
+        arm, backward, viscous, preload = np.array([self.arm, self.backward, self.viscous, self.preload])[:, rows]
+        return FrictionLaw(arm, backward, viscous, preload, self.turns[rows], self.pushes[rows], self.size)
 
     def moving(self, speeds: Array) -> Array:
         """Speeds (bearings, n), set to zero where they are rounding beside the fastest of the motion."""

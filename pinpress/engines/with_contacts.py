@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.quantities import Array
 from .contacts import Contact, Rubbing
@@ -36,7 +37,11 @@ def friction_law(arm: Array, viscous: Array, preload: Array, structure: Structur
         return None
     contacts = [contact for contact, _ in rubbings] + pushing
     none = np.zeros(len(contacts))
-    turns = [*structure.turns, *[True] * len(structure.loops), *(structure.axes[structure.relations[c.relation].joint].turns for c in contacts)]
+    turns = [
+        *structure.turns,
+        *[True] * len(structure.loops),
+        *(structure.axes[structure.relations[c.relation].joint].turns for c in contacts),
+    ]
     return FrictionLaw(
         arm=np.array([*arm, *(rubbing.forward for _, rubbing in rubbings), *[1.0] * len(pushing)]),
         backward=np.array([*arm, *(rubbing.backward for _, rubbing in rubbings), *map(_push_backward, pushing)]),
@@ -54,7 +59,7 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
     if not structure.contacts:
         return engine.inverse_dynamics(states, conditions, bearings)
     placed = _Placed(engine, states)
-    rows, n = np.zeros((placed.bearings + placed.rows, states.v.shape[1])), states.v.shape[1]
+    rows = np.zeros((placed.bearings + placed.rows, states.v.shape[1]))
     speeds, efforts = rows, rows
     if law is not None:
         speeds = law.moving(bearing_loads(engine, states, conditions._replace(law=None, friction=rows), states.v).speed)
@@ -107,6 +112,35 @@ def bearing_loads(engine: Engine, states: ClosedStates, conditions: AppliedCondi
     return BearingLoads(np.concatenate([found.speed, speed]), np.concatenate([found.radial, radial]), found.relations)
 
 
+def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """`Engine.indeterminate` with the contacts behind the bearings, and with what their idle efforts do to the bearings."""
+    marks, relations = engine.indeterminate(position, axes)
+    contacts, still = engine.structure.contacts, np.zeros_like(position)
+    marks = np.concatenate([marks, np.zeros((len(contacts), 6), dtype=bool)])
+    own = [contact.relation for contact in contacts]
+    if not relations[own].any():
+        return marks, relations
+    states = ClosedStates(position, still, still)
+    placed = _Placed(engine, states)
+
+    def loaded(loads: Sequence[AppliedForce]) -> Wrenches:
+        return engine.inverse_dynamics(states, AppliedConditions(list(loads), None, None), bearings=True)
+
+    start, size = loaded(()), sum(float(inertia.mass) for inertia in engine.structure.model.inertias) or 1.0  # so that few digits are lost
+    found = [loaded(placed.loads(single)) for single in placed.singles(size)]
+    residuals = np.array([each.relations[own] - start.relations[own] for each in found]).transpose(2, 1, 0) / size
+    tolerance, length = engine.structure.rank_tolerance, engine.structure.size
+    idle = np.eye(len(own)) - np.linalg.pinv(residuals, rcond=tolerance) @ residuals  # (n, contacts, idle)
+    unrubbed = np.zeros((placed.bearings + placed.rows, len(position[0])))
+    in_contacts = [placed.of_first_on_second(single, unrubbed) for single in placed.singles(1.0)]
+    for place, name, unit in ((0, "force", 1.0 / length), (3, "moment", 1.0)):
+        changes = np.array([(getattr(each, name) - getattr(start, name)) / size for each in found])
+        changes = np.concatenate([changes, np.array([each[place // 3] for each in in_contacts])], axis=1)
+        reached = np.einsum("nkc,kbni,ai->cbna", idle, changes, axes)
+        marks[:, place : place + 3] |= np.abs(reached).max(axis=(0, 2)) > 1e3 * tolerance * unit
+    return marks, relations
+
+
 def _rubbings(structure: Structure) -> Iterator[tuple[Contact, Rubbing]]:
     return ((contact, rubbing) for contact in structure.contacts for rubbing in contact.rubbing)
 
@@ -137,7 +171,9 @@ class _Placed:
         bodies |= {body for _, rubbing in self.rubbings for body in (rubbing.first, rubbing.second)}
         self.bodies = sorted(bodies - {0})
         motion = engine.body_motion(states, self.bodies, accelerations=False)
-        self.rotation = {0: np.broadcast_to(np.eye(3), (n, 3, 3))} | dict(zip(self.bodies, motion.rotation.transpose(0, 3, 1, 2), strict=True))
+        self.rotation = {0: np.broadcast_to(np.eye(3), (n, 3, 3))} | dict(
+            zip(self.bodies, motion.rotation.transpose(0, 3, 1, 2), strict=True)
+        )
         self.origin = {0: np.zeros((n, 3))} | dict(zip(self.bodies, motion.origin.transpose(0, 2, 1), strict=True))
 
     def loads(self, by_effort: Array) -> list[AppliedForce]:
@@ -147,6 +183,13 @@ class _Placed:
             for contact, own, effort in zip(self.contacts, self.units, by_effort[..., None], strict=True)
             for body, unit in contact.actions(own)
         )
+
+    def singles(self, size: float) -> Iterator[Array]:
+        """Efforts of every contact alone."""
+        for k in range(len(self.contacts)):
+            single = np.zeros((len(self.contacts), len(self.origin[0])))
+            single[k] = size
+            yield single
 
     def rubbing(self, efforts: Array) -> list[AppliedForce]:
         """What friction and pushes in contacts do to bodies."""
@@ -177,7 +220,7 @@ class _Placed:
         return np.asarray((self.rotation[contact.carrier] @ vectors[..., None])[..., 0])
 
     def _place(self, contact: Contact, point: Array) -> Array:
-        return self._turned(contact, point) + self.origin[contact.carrier]
+        return np.asarray(self._turned(contact, point) + self.origin[contact.carrier])
 
     def speeds(self, engine: Engine, states: ClosedStates, rates: Array) -> Array:
         """Speeds (rows, n) with which contacts rub at joint rates (nv, n)."""
@@ -206,7 +249,7 @@ class _Placed:
         return lost
 
     def of_first_on_second(self, by_effort: Array, efforts: Array) -> tuple[Array, Array]:
-        """Forces and moments (contacts, n, 3) of the first on the second bodies at the points where they touch, of one of several planets."""
+        """Forces and moments (contacts, n, 3) of the first on the second bodies where they touch, those of planets of a single one."""
         n, rows = by_effort.shape[1], efforts[self.bearings :, :, None]
         force, moment = np.zeros((2, len(self.contacts), n, 3))
         for k, (contact, unit, effort) in enumerate(zip(self.contacts, self.units, by_effort[..., None], strict=True)):
@@ -232,14 +275,12 @@ class _Placed:
         """
         own = [contact.relation for contact in self.contacts]
         if not self.redundant:
-            return (balance(()).relations if relations is None else relations)[own]
+            return np.asarray((balance(()).relations if relations is None else relations)[own])
         start = balance(())
         count, n = len(own), start.relations.shape[1]
         size = float(np.abs(start.relations[own]).max()) or 1.0
         residuals, forces = np.zeros((count, count, 3, n)), np.zeros((count, self.bearings, 3, n))
-        for k in range(count):
-            single = np.zeros((count, n))
-            single[k] = size
+        for k, single in enumerate(self.singles(size)):
             found = balance(self.loads(single))
             residuals[k, :, 0] = (found.relations - start.relations)[own] / size
             forces[k] = (found.radial - start.radial).transpose(0, 2, 1) / size

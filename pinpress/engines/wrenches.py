@@ -66,8 +66,8 @@ class AppliedConditions(NamedTuple):
         efforts, friction = (None if each is None else each[:, points] for each in (self.efforts, self.friction))
         return self._replace(loads=[load.part(points) for load in self.loads], efforts=efforts, friction=friction)
 
-    def under(self, loads: Iterable[AppliedForce], friction: Array) -> AppliedConditions:
-        """The conditions under more loads and known efforts of friction (bearings, n)."""
+    def under(self, loads: Iterable[AppliedForce], friction: Array | None) -> AppliedConditions:
+        """The conditions under more loads and known efforts of friction (bearings, n), in place of a law."""
         return self._replace(loads=[*self.loads, *loads], law=None, friction=friction)
 
 

@@ -28,7 +28,9 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
     if load.joint == 0:
         return True
     height = (plane.frames[load.joint - 1] @ load.point)[2]  # above the plane of its link
-    return bool(height == 0.0 and not np.any(load.force @ plane.normal)) and (load.moment is None or not to_complex(plane, load.moment).any())
+    return bool(height == 0.0 and not np.any(load.force @ plane.normal)) and (
+        load.moment is None or not to_complex(plane, load.moment).any()
+    )
 
 
 def is_loaded(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:

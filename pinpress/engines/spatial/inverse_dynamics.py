@@ -72,9 +72,7 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
     return result
 
 
-def bearing_loads(
-    loops: Loops, states: ClosedStates, conditions: AppliedConditions, rates: Array, by: Method
-) -> BearingLoads:
+def bearing_loads(loops: Loops, states: ClosedStates, conditions: AppliedConditions, rates: Array, by: Method) -> BearingLoads:
     """See `Engine.bearing_loads`."""
     n, structure = states.v.shape[1], loops.structure
     speed, relations = np.empty((structure.model.nv + len(structure.loops), n)), np.empty((len(structure.relations), n))
