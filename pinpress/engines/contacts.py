@@ -121,7 +121,7 @@ class Contact(Frozen):
 
     def actions(self, unit: UnitWrench) -> list[tuple[int, UnitWrench]]:
         """What acts on bodies, by their Pinocchio joints, where the first body does this to the second one; in balance altogether."""
-        if self.planets is None:
+        if self.planets is None or self.planets.number == 1:
             return [(self.second, unit), (self.first, _times(unit, -1.0))]
         count, planet, pin_, center, axis = self.planets
         sign = 1.0 if planet == self.second else -1.0

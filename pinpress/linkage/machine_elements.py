@@ -23,7 +23,7 @@ from ..common.errors import UrdfError
 from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, Relation
-from ..engines.contacts import Contact, Rubbing, UnitWrench
+from ..engines.contacts import Contact, Planets, Rubbing, UnitWrench
 from ..engines.structure import axes, drawn_placements, joints_between
 from .description import MACHINE_ELEMENTS, GearMesh, MachineElement, Rack, Screw, Worm
 from .document import Document
@@ -549,7 +549,8 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
     rubbing = (Rubbing(*bodies, np.zeros(3), size * (frame.rotation.T @ axis), arm, arm),) if arm else ()
     row = _sum((z1, drawing.turn(carrier, bodies[0], axis, "gear 1")), (z2, drawing.turn(carrier, bodies[1], axis, "gear 2")))
     unit = UnitWrench(frame.actInv(point), frame.rotation.T @ force, np.zeros(3), frame.rotation.T @ push)
-    contact = Contact(said.name, "gears", -1, *bodies, carrier, unit, rubbing, round(said.planets))
+    planets = Planets(round(said.planets), bodies[1], frame.actInv(c2), frame.actInv(c1), frame.rotation.T @ axis)
+    contact = Contact(said.name, "gears", -1, *bodies, carrier, unit, rubbing, planets)
     mesh = Gears(
         *_common(drawing, said.name, "gears", links, carrier, said.carrier, -z1 / z2, point, own, (axis, axis), (c1, c2)),
         radii=(abs(r1), abs(distance - r1)),
@@ -592,15 +593,20 @@ def _common(
 
 def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) -> Iterator[Placed]:
     """The elements, each mesh of a planet with the number of planets that stands at the planet's other mesh."""
-    for k, (said, each) in enumerate(zip(elements, places, strict=True)):
+    for said, each in zip(elements, places, strict=True):
         if isinstance(each.mesh, Gears):
-            stage = [its.mesh for j, its in enumerate(places) if j == k or _on_one_planet(each.mesh, its.mesh)]
-            planets = max(mesh.planets for mesh in stage if isinstance(mesh, Gears))
+            others = [its.mesh for its in places if _on_one_planet(each.mesh, its.mesh)]
+            planets = max(mesh.planets for mesh in (each.mesh, *others) if isinstance(mesh, Gears))
             if each.mesh.planets not in (1, planets):
                 raise _UnfitError(
                     said, f"planets is {each.mesh.planets}, and {planets} at the planet's other mesh", "write the same number in both"
                 )
-            each = each._replace(mesh=replace(each.mesh, planets=planets), contact=replace(each.contact, shares=planets))
+            drawn = each.contact.planets
+            if drawn is not None:
+                drawn = drawn._replace(number=planets)
+                if any(each.mesh.links[0] in other.links for other in others):  # the first gear is the planet
+                    drawn = drawn._replace(planet=each.contact.first, pin=drawn.center, center=drawn.pin)
+            each = each._replace(mesh=replace(each.mesh, planets=planets), contact=replace(each.contact, planets=drawn))
         yield each
 
 
