@@ -4,6 +4,7 @@ import re
 import xml.etree.ElementTree as ET
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, PLANETARY, SCREW, TEETH, changed, meshing
@@ -115,6 +116,59 @@ REFUSED = [
 def test_what_a_table_refuses(table, message):
     with pytest.raises(pp.PinTableError, match=message):
         draft(**(table if table is not GEARED else GEARED | {"drive": "O"}))
+
+
+TWO_LINES = SCREW | {"units": "m", "pins": {name: pin | {"z": pin["z"] / 1e3} for name, pin in SCREW["pins"].items()}}
+UNFIT = [  # what the linkage has against an element, at the table's line
+    (meshing(pressure_angle=0.35), "meshes: teeth: pressure_angle is 0.35 deg, as if in radians; write degrees: 20.05"),
+    (meshing(gears="pinion rod"), r"carried at 'Q' by 'frame', .* at 'P' by 'crank', .*: no link holds both, so that the teeth would part"),
+    (meshing(teeth="20 20.5"), "teeth of the second gear is 20.5; write a whole number"),
+    (meshing(gears="crank crank"), "both are link 'crank'; name two links"),
+    (meshing(module=12), "module 12 mm makes a centre distance of 720 mm, and the axes are 600 mm apart"),
+    (meshing(efficiency=98.5), "efficiency is 98.5; write a share above 0"),
+    (changed(LEVER_GEAR, "meshes", "teeth", gears="ring crank"), "their distance is 0; .* gears:, for a belt, a chain or a coupling"),
+    (changed(PLANETARY, "meshes", "ring", teeth="30 -90"), "gear 'planet' has module 8.33333 mm, in gear mesh 'sun_planet' 10 mm"),
+    (changed(PLANETARY, "meshes", "sun_planet", planets=3), r"3 planets do not fit between sun and ring: \(20 \+ 80\)/3 is not whole"),
+    (changed(TWO_LINES, "screws", "spindle", diameter=0.3), "screws: spindle: lead is 200 m a turn; .* 0.2 for 200 mm"),
+    (changed(ARBOR, "racks", "rack", radius=None), "racks: rack: its pinion has no radius; give a radius, or else module and teeth"),
+    (changed(ARBOR, "racks", "rack", pinion="slide", rack="pinion"), "link 'slide' has no pin about which it turns"),
+    (changed(SCREW, "screws", "spindle", diameter=None), "it has friction and no diameter; give the mean diameter of the thread"),
+    (meshing() | {"gears": {"O": "-0.2 * Q"}}, "joints 'O' and 'Q' are related already, by joint 'O'; remove one of the two"),
+]
+
+
+@pytest.mark.parametrize(("table", "message"), UNFIT)
+def test_what_does_not_mesh_is_refused_at_its_line(table, message, tmp_path):
+    with pytest.raises(pp.PinTableError, match=message):
+        pp.build(**table)
+    (tmp_path / "press.yaml").write_text(yaml.safe_dump(table | {"press": "press"}, sort_keys=False, default_flow_style=True, width=10**6))
+    with pytest.raises(pp.PinTableError, match=r"press.yaml:1: \w+: \w+: "):
+        pp.build(tmp_path / "press.yaml")
+
+
+# Angles of the ring, and by them the angles of the crank and the positions of the slide, by an independent program.
+OF_RING = [(10, 26.3769178476, 0.2922685075), (20, 51.2417145560, 0.2729574102), (30, 73.8978862480, 0.2496150883)]
+
+
+@pytest.mark.parametrize("turns", ["clockwise", "counter-clockwise"])
+def test_a_lever_gear_turns_its_crank_by_the_angles_against_it(turns):
+    """Willis: the ring is 40 internal teeth about the 20 of the planet, which swings with the rod."""
+    ring, crank, slide = np.transpose(OF_RING)
+    sense = 1.0 if turns == "counter-clockwise" else -1.0
+    press = pp.build(**LEVER_GEAR | {"turns": turns})
+    motion = pp.servo_cycle(press, sense * np.radians(ring), speed=1.0, acceleration=0.0)
+    np.testing.assert_allclose(sense * np.degrees(motion.joint_position[:, press.joints.index("A")]), crank, rtol=0, atol=6e-11)
+    moved = motion.slide_position - pp.servo_cycle(press, [0.0], speed=1.0, acceleration=0.0).slide_position[0]
+    np.testing.assert_allclose(0.3 + moved, slide, rtol=0, atol=6e-11)
+
+
+def test_a_planetary_turns_its_arm_a_fifth_as_fast():
+    press = pp.build(**PLANETARY)
+    motion = pp.servo_cycle(press, np.radians([0.0, 100.0]), speed=50.0, acceleration=20.0)
+    turned = dict(zip(press.joints, motion.joint_position.T, strict=True))
+    assert np.degrees(turned["A"][1]) == pytest.approx(20.0, rel=1e-13)
+    assert np.degrees(turned["A"][1] + turned["P"][1]) == pytest.approx(-100 / 3, rel=1e-13)
+    assert motion.v[1, press.joints.index("A")] == pytest.approx(10.0, rel=1e-13)
 
 
 def test_a_rack_in_gears_is_doubted_with_what_to_write():
