@@ -3,11 +3,12 @@
 import argparse
 import sys
 
+from ..jobs.job import traces_of
 from .options import SHORT, SIGNS, add_job_options, open_job
 
 EPILOG = f"""\
 Sliders change link lengths and pivots, or the numbers of a table of pins; the changed press can be written to a file next to FILE. The
-window is served only to this machine, at an address that nobody can guess; Ctrl-C ends it.
+window is served only to this machine, at an address that nobody can guess; Ctrl-C ends it. Paths of points: traces: {{rod: 0 0 400 mm}}.
 {SIGNS}{SHORT}pinpress view press.yaml --speed 60r/min --watch
 """
 LOOK = 0.2  # interval between checks for Ctrl-C [s]
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
         file = options.file if job.drawn is not None else job.source.model
         source = opened(str(file), lambda _: job.press, job.parameters, job.sections.get("slide"), job.with_zero)
         speed = default_speed(source.press) if job.speed is None else job.speed
-        return Opened(source, Operation(speed, list(job.loads.values()), job.friction, job.stiffness))
+        return Opened(source, Operation(speed, list(job.loads.values()), job.friction, job.stiffness, traces=traces_of(job)))
 
     with window(opening, options.file if options.watch else None, not options.no_browser) as shown:
         if shown.broken is not None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
@@ -43,6 +44,7 @@ class Operation:
         stiffness: by the names of bearings, see `inverse_dynamics`.
         points: states of a period.
         swings: whether a crank that cannot turn on goes to and fro; else such a press is refused.
+        traces: points whose paths are drawn, see `record`.
     """
 
     speed: float
@@ -51,6 +53,7 @@ class Operation:
     stiffness: Mapping[str, float]
     points: int = POINTS
     swings: bool = False
+    traces: Sequence[tuple[str, ArrayLike]] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +98,7 @@ def picture(
     reactions = inverse_dynamics(press, motion, operation.loads, operation.friction, operation.stiffness)
     frames = _frames(motion)
     at = poses(press, motion.joint_position[frames.states])
-    data = recording.moving(press, motion, frames, at, reactions, ()) | _curves(press, motion, reactions, frames)
+    data = recording.moving(press, motion, frames, at, reactions, operation.traces) | _curves(press, motion, reactions, frames)
     if standing(press):
         data["driver"] = data["driver"] | {"name": press.driver}
     took = time.perf_counter() - began

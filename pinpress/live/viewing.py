@@ -9,6 +9,8 @@ import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 
+from numpy.typing import ArrayLike
+
 from ..common.arguments import number, typed
 from ..common.errors import PinpressError
 from ..common.files import path_of
@@ -80,6 +82,7 @@ def view(
     loads: Sequence[Load] = (),
     friction: Mapping[str, Friction] = NONE_GIVEN,
     stiffness: Mapping[str, float] = NONE_GIVEN,
+    traces: Sequence[tuple[str, ArrayLike]] = (),
     watch: bool = False,
     browser: bool | None = None,
 ) -> LiveView:
@@ -97,6 +100,7 @@ def view(
         loads: see `inverse_dynamics`.
         friction: see `inverse_dynamics`.
         stiffness: see `inverse_dynamics`.
+        traces: points whose paths are drawn, such as a coupler point, see `record`. They follow their links when lengths are changed.
         watch: whether the file is read again whenever it is saved.
         browser: whether a window is opened at once; by default only outside notebooks.
 
@@ -115,7 +119,7 @@ def view(
         source = LinkageSource.of(press) if isinstance(press, Linkage) else opened(os.fspath(press), load, {})
         unit = f"{source.press.driver_coordinates[0].unit}/s"
         given = default_speed(source.press) if speed is None else number("speed", speed, unit=unit)
-        return Opened(source, Operation(given, loads, friction, stiffness))
+        return Opened(source, Operation(given, loads, friction, stiffness, traces=traces))
 
     return window(opening, path if watch else None, "ipykernel" not in sys.modules if browser is None else browser)
 

@@ -270,3 +270,19 @@ def test_a_file_that_is_mended_is_shown_and_a_wrong_one_is_not(tmp_path: Path) -
     session.open()
     assert session.whole()["broken"] is None
     assert session.whole()["values"][0] == 80
+
+
+def test_paths_of_points_follow_the_lengths():
+    """A coupler point of a press that is changed."""
+
+    def opening() -> Opened:
+        return Opened(LinkageSource.of(texts.shipped("crank_slide")), Operation(SPEED, (), {}, {}, traces=[("rod", (0.1, 0.0, 0.05))]))
+
+    session = Session(opening)
+    session.open()
+    before = session.whole()["traces"]
+    assert [each["name"] for each in before] == ["slide", "rod (0.1, 0, 0.05)"]
+    names = [each["name"] for each in session.whole()["dimensions"]]
+    longer = list(session.whole()["values"])
+    longer[next(k for k, name in enumerate(names) if "P" in name and "W" in name)] *= 1.1
+    assert ask(session, "set", values=longer, speed=70.0, shapes=False).everyone["traces"][1]["path"] != before[1]["path"]
