@@ -251,7 +251,7 @@ def relations_of(
             names = " and ".join(repr(model.names[joint + 1]) for joint in sorted(pair))
             problem = f"joints {names} are related already, by {related[pair]}"
             raise _refusal(
-                document, said, problem, "remove one of the two: a ratio stands in one place, <gear_mesh> brings its forces with it"
+                document, said, problem, "remove one of the two: a ratio stands in one place, teeth bring their forces with it"
             )
         related[pair] = f"{WORDS[each.mesh.kind]} {each.mesh.name!r}"
     taken = {*drivers, *(other.joint for other in others)}

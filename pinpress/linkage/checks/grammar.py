@@ -158,7 +158,7 @@ def _attribute_problems(element: Element, rule: _Rule) -> Iterator[Problem]:
             if tag == "limit" and text.strip().lower().lstrip("+-").startswith("inf"):
                 remedy = 'URDF has no infinite numbers: write 1e9 for no limit, or type="continuous" of a joint that turns'
             yield element, f"{name}={shown(text)}: {fault}", remedy
-        elif name in _QUANTITIES and tag != "axis" and max(map(abs, element.numbers(name))) > LARGEST:
+        elif name in _QUANTITIES and tag not in ("axis", "sphere", "cylinder") and max(map(abs, element.numbers(name))) > LARGEST:
             yield element, f"{name}={shown(text)} is out of range", f"write SI units; {LARGEST:g} is the largest number"
         elif name in ("size", "radius", "length") and min(element.numbers(name)) <= 0:
             yield element, f"{name}={shown(text)} is not positive", "write the size in metres"
