@@ -250,9 +250,7 @@ def relations_of(
         if len(pair) == 2 and pair in related:
             names = " and ".join(repr(model.names[joint + 1]) for joint in sorted(pair))
             problem = f"joints {names} are related already, by {related[pair]}"
-            raise _refusal(
-                document, said, problem, "remove one of the two: a ratio stands in one place, teeth bring their forces with it"
-            )
+            raise _refusal(document, said, problem, "remove one of the two: a ratio stands in one place, teeth bring their forces with it")
         related[pair] = f"{WORDS[each.mesh.kind]} {each.mesh.name!r}"
     taken = {*drivers, *(other.joint for other in others)}
     wanted = [sorted(each.row, key=lambda joint: (joint in taken, joint in on_loops)) for each in elements]

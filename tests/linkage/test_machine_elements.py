@@ -205,10 +205,10 @@ def test_gears_on_a_crank_keep_their_ratio_there_whatever_the_crank_does(load):
     text = robot(
         link("crank") + link("one") + link("other"),
         pin("O", "frame", "crank") + pin("A", "crank", "one") + pin("B", "crank", "other", (0.09, 0, 0)),
-        '<gear_mesh name="teeth" gear1="one" gear2="other" teeth1="15" teeth2="30"/>\n<transmission name="d"><joint name="A"/></transmission>',
+        '<gear_mesh name="teeth" gear1="one" gear2="other" teeth1="15" teeth2="30"/>\n',
         driver="O",
     )
-    press = load(text)
+    press = load(text, drivers=["O", "A"])
     assert dict(press.relations[0].coefficients) == {press.joints.index("B"): 1.0, press.joints.index("A"): 0.5}
     assert press.meshes["teeth"].carrier == "crank"
 
@@ -418,7 +418,7 @@ REFUSED = [
     (PAIR, 'teeth1="20"', 'teeth1="20.5"', "teeth of the first gear is 20.5; write a whole number"),
     (PAIR, 'teeth1="20"', 'teeth1="0"', "teeth of the first gear is 0"),
     (PAIR, ' teeth1="20"', "", "has no teeth1"),
-    (PAIR, 'teeth1="20"', 'teeth1="20" tooth="3"', "unknown attribute 'tooth'; in <gear_mesh> write: gear1, gear2, teeth1"),
+    (PAIR, 'teeth1="20"', 'teeth1="20" tooth="3"', "unknown attribute 'tooth'; in <gear_mesh> write: name, gear1"),
     (PAIR, 'teeth2="100"', 'teeth2="-20"', "the internal gear has 20 teeth, and the pinion in it 20"),
     (PAIR, 'teeth1="20" teeth2="100"', 'teeth1="-20" teeth2="-100"', "both gears are internal"),
     (PAIR, "teeth1=", 'pressure_angle="0.35" teeth1=', "pressure_angle is 0.35 deg, as if in radians; write degrees: 20.0535"),
