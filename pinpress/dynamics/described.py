@@ -402,13 +402,15 @@ def works(name: str, title: str, work: Mapping[str, float]) -> list[Bars]:
 
 def _gear_pairs(reactions: Reactions) -> Section:
     press = reactions._press
-    toothed = {contact.relation for contact in press.structure.contacts}
-    toothless = any(relation.is_pair and k not in toothed for k, relation in enumerate(press.relations))
-    left_out = "; bearing forces leave out those between the teeth of two shafts" if toothless else ""
+    toothed, elements = ({contact.relation for contact in of.contacts} for of in (press.structure, press))
+    pairs = {relation.name: k for k, relation in enumerate(press.relations) if relation.is_pair and k not in elements}
+    left_out = "" if toothed.issuperset(pairs.values()) else "; bearing forces leave out those between the teeth of two shafts"
     places = replace(Places.at_peaks(reactions), heights=None)
     figures: list[Figure] = []
-    for pair, (name, torque) in zip(press.couplings, at_peaks(reactions).reactions.coupling_torque.items(), strict=True):
-        unit = "N m" if press.axes[pair.follower].turns else "N"
+    for name, torque in at_peaks(reactions).reactions.coupling_torque.items():
+        if name not in pairs:
+            continue  # a machine element stands among the bearings
+        unit = "N m" if press.axes[press.relations[pairs[name]].joint].turns else "N"
         figures += [extreme(f"{name}, largest", torque[:, 0], unit, np.argmax, places)]
         figures += [extreme(f"{name}, smallest", torque[:, 0], unit, np.argmin, places)]
     return Section("Gear pairs", figures, note=f"Torque or force on the joint that mimics, along its axis{left_out}." if figures else "")
@@ -427,7 +429,8 @@ def _bearings(reactions: Reactions, drawn: Reactions, along: Along) -> Section:
     moment = bearing_moments(drawn, along)
     blocks += [] if moment is None else [moment]
     blocks += [peaks_of_bearings(reactions), bearing_table(reactions)]
-    for polar in loci(reactions, press.bearings_as_drawn):
+    blocks += [element_table(reactions)] if press.contacts else []
+    for polar in loci(reactions, carrying(press, as_drawn=True)):
         blocks += [replace(polar, note=left_open(reactions, polar.title)), components(drawn, polar.title, along)]
     most = max(sizes, key=lambda name: float(sizes[name].max()))
     peak = at_peaks(reactions).reactions
@@ -494,6 +497,29 @@ def bearing_table(reactions: Reactions) -> Table:
     return Table("bearings_at_peak", title, columns, most=200)
 
 
+def element_table(reactions: Reactions) -> Table:
+    """Of every machine element what its first link does to the second one where this force is largest, and the largest power lost."""
+    places, press, reactions = Places.at_peaks(reactions), reactions._press, at_peaks(reactions).reactions
+    names = [contact.name for contact in press.contacts if contact.name in reactions.bearing_force]
+    sizes = {name: np.linalg.norm(reactions.bearing_force[name], axis=1) for name in names}
+    at = {name: int(size.argmax()) for name, size in sizes.items()}
+    force = max((float(size.max()) for size in sizes.values()), default=0.0)
+    found, between = reactions.mesh, {contact.name: (contact.first, contact.second) for contact in press.contacts}
+    columns = [
+        Column("", names),
+        Column("force of - on", [" - ".join(map(press.link_of, between[name])) for name in names]),
+        Column("peak force", [float(sizes[name][at[name]]) for name in names], "N", force),
+        Column(f"at {places.of_what}", [float(np.ravel(places.values[at[name]])[0]) for name in names], places.quantity),
+        *(
+            Column(part, [float(getattr(found[name], part)[at[name]]) for name in names], "N", force)
+            for part in ("tangential", "radial", "axial")
+        ),
+    ]
+    lost = [float(found[name].power.max()) for name in names]
+    columns += [Column("largest power lost", lost, "W")] if any(lost) else []
+    return Table("elements_at_peak", "Teeth, threads and cams, each at its peak", columns, most=200)
+
+
 def left_open(reactions: Reactions, name: str) -> str:
     """What rigid mechanics does not decide of a bearing, and is not zero, in words; empty if there is nothing."""
     least = rounding(reactions)
@@ -519,8 +545,8 @@ def loci(reactions: Reactions, names: Sequence[str]) -> list[Polar]:
     """
     motion, press = reactions.motion, reactions._press
     for name in names:
-        if not isinstance(name, str) or name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
+        if not isinstance(name, str) or name not in carrying(press):
+            raise UnknownNameError("bearing", name, carrying(press))
     turned = poses(press, motion.joint_position).rotation @ poses(press, np.zeros((1, press.model.nv))).rotation.swapaxes(2, 3)
     return [_locus(reactions, name, turned) for name in names]
 
@@ -529,7 +555,8 @@ def _locus(reactions: Reactions, name: str, turned: Array) -> Polar:
     """The locus of a bearing if the bodies are turned by these rotations (joints + 1, n, 3, 3) from the drawn pose."""
     press, least = reactions._press, rounding(reactions).force
     force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), least)
-    body = loaded_bodies(press)[press.bearings.index(name)]
+    loaded = (*loaded_bodies(press), *(contact.second for contact in press.contacts))
+    body = loaded[carrying(press).index(name)]
     own = np.einsum("nji,nj->ni", turned[body], force)
     axes, across = _directions(press, force, least)
     world, own = read_only(force @ across.T), read_only(own @ across.T)

@@ -73,6 +73,16 @@ def bearing_points(press: Linkage, at: Poses) -> Array:
     return np.array([*joints, *(at.points(loop.joint1, loop.point1) for loop in press.loops)])
 
 
+def contact_points(press: Linkage, at: Poses, joint_position: Array) -> dict[str, Array]:
+    """Points (n, 3) where bodies touch in gears, racks, screws, worms and cams, by the names of these, at joint coordinates (n, nv), world
+    axes [m]."""
+    placed = {}
+    for contact in press.contacts:
+        point = np.broadcast_to(contact.wrench(joint_position.T).point, (len(joint_position), 3))
+        placed[contact.name] = np.einsum("nij,nj->ni", at.rotation[contact.carrier], point) + at.position[contact.carrier]
+    return placed
+
+
 def point_motion(press: Linkage, motion: Motion, joint: int, point: Array) -> tuple[Array, Array]:
     """World position [m] and velocity [m/s], (n, 3) each, of a point (3,) fixed to the body of a Pinocchio joint (0: the frame)."""
     n = len(motion.crank_angle)

@@ -26,7 +26,7 @@ from ..dynamics.reactions import Reactions
 from ..engines.branch import predict
 from ..engines.structure import configuration
 from ..kinematics.motion import Motion, refuse_motion_of_another, refuse_other_joints
-from ..kinematics.poses import Poses, bearing_points, point_on_body, poses
+from ..kinematics.poses import Poses, bearing_points, contact_points, point_on_body, poses
 from ..linkage.linkage import Linkage, is_same_press
 from ..loads.link import check_point
 from ..simulation.run import Run
@@ -159,7 +159,9 @@ def moving(
     press: Linkage, motion: Motion, frames: KeyFrames, at: Poses, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
 ) -> dict[str, Any]:
     """The part of `scene` that is drawn over the links: places, forces and paths; ``at``: poses of the bodies in the key frames."""
-    points = bearing_points(press, at)
+    touching = contact_points(press, at, motion.joint_position[frames.states])
+    names = [*press.bearings, *touching]
+    points = np.array([*bearing_points(press, at), *touching.values()])
     where, places = _together(points, 1e-6 * press.size)
     forces: dict[str, Any] = dict.fromkeys(("shaking", "process"))
     peak = 0.0
@@ -192,7 +194,7 @@ def moving(
                 if reactions is None
                 else packed(reactions.bearing_force[name][frames.states], f"bearing_force[{shown(name)}]"),
             }
-            for name, place in zip(press.bearings, where, strict=True)
+            for name, place in zip(names, where, strict=True)
         ],
         **forces,
         "peak": peak,  # largest of all shown forces [N]
