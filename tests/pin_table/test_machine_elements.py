@@ -175,3 +175,126 @@ def test_a_rack_in_gears_is_doubted_with_what_to_write():
     gears = {key: value for key, value in ARBOR.items() if key != "racks"} | {"gears": {"slide_guide": "24 * O"}}
     with pytest.warns(pp.PinpressWarning, match=re.escape("0.024 m/rad for 24 mm. A table in mm has racks: {")):
         draft(**gears)
+
+
+def acting(table: dict[str, Any], state: tuple[float, float, float], force: tuple[float, float, float], **options: Any) -> pp.Reactions:
+    """Reactions at an angle [deg], speed [rad/s] and acceleration [rad/s2] of the driver, reached from the drawn pose, under a force on the
+    slide."""
+    angle, speed, acceleration = state
+    press = pp.build(**table, **options)
+    motion = pp.servo_cycle(press, np.radians([0.0, angle]), speed=speed, acceleration=acceleration)
+    return pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", force)])
+
+
+def pinion(mass: float, inertia: float) -> dict[str, Any]:
+    """The geared crank-slide with this pinion, whose 20 teeth turn 100 of the crank."""
+    return meshing() | {"links": GEARED["links"] | {"pinion": {"pins": "Q", "mass": mass, "inertia": inertia}}}
+
+
+WEIGHTLESS = pinion(1e-12, 1e-14)  # far below the last digit that is compared
+# Forces [N] in x and z on the second of the two links, and torques [N m], by an independent program in maximal coordinates.
+FORCES = [
+    (
+        (WEIGHTLESS, (-450, -50, 0), (0, 0, 0)),
+        {"teeth": (66.2022688217, -181.8892387044), "O": (26.0878253334, 1228.67543223), "Q": (66.2022688217, -181.889238704)}
+        | {"P": (152.290094155, 850.586193522)},
+        -18.1889238704,
+    ),
+    (
+        (WEIGHTLESS, (-450, -50, 0), (0, 0, 1e5)),
+        {"teeth": (7213.2024165023, 19818.1107612955), "O": (-32940.8012971, -118771.324568), "Q": (7213.2024165, 19818.1107613)},
+        1981.81107613,
+    ),
+    (
+        (WEIGHTLESS, (-1350, -50, 0), (0, 0, 1e5)),
+        {"teeth": (7213.2024165023, -19818.1107612957), "O": (18514.3964641, -79135.1030452), "Q": (7213.2024165, -19818.1107613)},
+        -1981.81107613,
+    ),
+    (
+        (pinion(30, 0.15), (-450, -50, -25), (0, 0, 0)),
+        {"teeth": (70.8174113922, -194.5692387044), "O": (35.3508730868, 1301.85543223), "Q": (70.8174113922, 99.7307612956)},
+        -23.2069238704,
+    ),
+    (
+        (LEVER_GEAR, (20, 10, 0), (-1000, 0, 0)),
+        {"teeth": (540.2614485139, -890.6136782363), "A": (340.883677221, 430.246625649), "A1": (540.261448514, -812.133678236)}
+        | {"B": (356.048796872, 442.025878877), "C": (937.736865279, -430.918919518), "slide_guide": (0, 479.968919518)},
+        -117.461886776,
+    ),
+    (
+        (ARBOR, (-5, 0, 0), (0, 0, 1e4)),
+        {"rack": (3621.8496026713, -9950.95), "O": (3621.84960267, -9941.14), "slide_guide": (-3621.84960267, 0)},
+        -238.8228,
+    ),
+]
+
+
+@pytest.mark.parametrize(("case", "forces", "torque"), FORCES)
+def test_forces_of_teeth_and_bearings(case, forces, torque):
+    reactions = acting(*case)
+    assert reactions.driving_torque[-1] == pytest.approx(torque, rel=5e-12)
+    for name, (x, z) in forces.items():
+        x_is, y_is, z_is = reactions.bearing_force[name][-1]
+        assert (x_is, y_is, z_is) == pytest.approx((x, 0.0, z), rel=5e-12, abs=5e-10), name
+
+
+# Load [N], lead, mean diameter [mm], friction, angle of the flanks [deg], friction in the collar; torques in the sense of turning, against
+# the load and with it [N m]; efficiencies against it and with it. By the theory of the wedge in an independent program.
+SCREWS = [
+    ((1e5, 9, 55.5, 0.12, 15, 0.0), (491.10473131, 200.193181), (0.29166782491, -1.0)),
+    ((1e5, 9, 55.5, 0.12, 15, 0.1), (891.10473131, 600.193181), (0.29166782491, -1.0)),
+    ((4e6, 200, 300, 0.06, 15, 0.0), (166734.714, -88937.205223), (0.76363194812, 0.69851117639)),
+    ((5e4, 20, 50, 0.004, 45, 0.0), (166.31706533, -152.00308934), (0.95693693715, 0.95506357759)),
+]
+
+
+@pytest.mark.parametrize(("screw", "torques", "efficiencies"), SCREWS)
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_torque_of_a_screw(screw, torques, efficiencies, hand):
+    """A right-handed screw that is held along its axis, and turns positively about z, lets its nut go down."""
+    load, lead, diameter, friction, flank, collar = screw
+    said = {"lead": lead, "diameter": diameter, "friction": friction, "flank": flank, "hand": hand}
+    table = changed(SCREW, "screws", "spindle", **said, **({"collar_friction": collar, "collar_diameter": 80} if collar else {}))
+    spindle = pp.build(**table).meshes["spindle"]
+    assert spindle.efficiency == pytest.approx(efficiencies[0], rel=1e-10)
+    assert spindle.self_locking == (efficiencies[1] < 0)
+    if not spindle.self_locking:
+        assert spindle.efficiency_backward == pytest.approx(efficiencies[1], rel=1e-10)
+    down = 1.0 if hand == "right" else -1.0
+    for way, torque in zip((down, -down), torques, strict=True):
+        reactions = acting(table, (3.0 * way, way, 0.0), (0, 0, load), gravity=(0, 0, 0))
+        assert way * reactions.driving_torque[-1] == pytest.approx(torque, rel=5e-9)
+
+
+@pytest.mark.parametrize(
+    ("way", "worm", "torque"), [(1, (1815.5680209, 4590.8732644), 72.622720835), (-1, (3199.1558129, 4689.6343637), 127.96623251)]
+)
+def test_forces_of_a_worm(way, worm, torque):
+    """2000 N m on the wheel, which it drives where the worm turns positively; the worm's teeth push with 12.5 kN along its axis."""
+    table = {
+        "units": "mm",
+        "frame": "O M",
+        "pins": {"O": [0, 0], "M": {"x": 0, "y": 0, "z": -200, "axis": "x"}},
+        "links": {"wheel": {"pins": "O", "mass": 10}, "shaft": {"pins": "M", "mass": 5, "inertia": [0.01, 0.01, 0.01]}},
+        "drive": "M",
+        "worms": {"worm": {"worm": "shaft", "wheel": "wheel", "starts": 2, "teeth": 40, "module": 8, "quotient": 10, "friction": 0.05}},
+    }
+    press = pp.build(**table, gravity=(0, 0, 0))
+    motion = pp.servo_cycle(press, [0.0, 0.3 * way], speed=float(way), acceleration=0.0)
+    reactions = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointMoment("wheel", (0, 2000, 0))])
+    assert reactions.driving_torque[-1] == pytest.approx(-torque, rel=1e-9)
+    assert reactions.bearing_force["worm"][-1] == pytest.approx((12500, *worm), rel=1e-9)
+
+
+@pytest.mark.parametrize("turns", ["clockwise", "counter-clockwise"])
+def test_mirrored_racks_push_as_mirror_images(turns):
+    """Two pinions that gears turn against each other, each on the outer side of its slide."""
+    table = ARBOR | {"pins": {"O": [-124, 0], "W": [-100, 0]}, "turns": turns}
+    table |= {"copies": [{"links": "pinion slide", "mirror": "x", "names": "_1 _2", "gear": "O"}]}
+    press = pp.build(**table, slide="slide_1")
+    sense = 1.0 if turns == "clockwise" else -1.0
+    motion = pp.servo_cycle(press, np.array([0.0, 0.2]) * sense, speed=sense, acceleration=0.0)
+    assert np.ptp(motion.joint_position[:, press.joints.index("slide_guide_2")]) == pytest.approx(0.2 * 24e-3, rel=1e-12)
+    forces = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce(f"slide_{k}", (0, 0, 1e4)) for k in (1, 2)]).bearing_force
+    np.testing.assert_allclose(forces["rack_2"], forces["rack_1"] * (-1, 1, 1), rtol=0, atol=1e-9)
+    assert forces["rack_1"][-1] == pytest.approx((3621.8496026713, 0, -9950.95), rel=1e-12)
