@@ -51,6 +51,7 @@ STROKES = {
     "drawing-8-bar": 417.970,
     "eccentric-block": 50.000,
     "guide-bar": 400.0,
+    "hypocycloid": 200.0,
     "rssp": 160.395,
 }
 

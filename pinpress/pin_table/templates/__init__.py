@@ -2,7 +2,7 @@
 
 from importlib.resources import files
 
-TEMPLATES = ("crank-slide", "knuckle", "link-drive", "drawing-8-bar", "eccentric-block", "guide-bar", "toggle", "rssp")
+TEMPLATES = ("crank-slide", "knuckle", "link-drive", "drawing-8-bar", "eccentric-block", "guide-bar", "toggle", "hypocycloid", "rssp")
 
 
 def template(name: str) -> bytes:
