@@ -110,7 +110,8 @@ def _height(layout: BearingLayout, reaches: Sequence[tuple[Array, float]], shown
 
 def _gear(circle: _Circle, centre: Array, width: float) -> Iterator[MadeUpSolid]:
     """A pitch circle with its spoke, hub and shaft; of an internal gear with a mark."""
-    radius, wide, thick = circle.radius, max(RING * circle.radius, 0.1 * width), THICK * width
+    radius, thick = circle.radius, THICK * width
+    wide = min(max(RING * radius, 0.1 * width), 1.2 * width)
     placement = _axes(centre, circle.towards, circle.axis)
     inner, outer = (radius, radius + wide) if circle.internal else (radius - wide, radius)
     angle = 2 * np.pi * np.arange(AROUND) / AROUND
