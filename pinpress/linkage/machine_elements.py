@@ -719,6 +719,8 @@ def _screw(said: Screw, drawing: _Drawing) -> Placed:
     inward = frame.rotation.T @ axis
     driving = math.copysign(1.0, per_radian) * inward  # so that a positive effort at a positive speed is the screw that drives
     lead, rho = _thread(said)
+    if said.friction and lead + rho >= 0.5 * math.pi:
+        raise _MeshError("its thread is so steep that friction locks it where the screw drives", "correct lead, diameter or friction")
     forward, backward = math.tan(lead + rho), math.tan(lead - rho)
     half = 0.5 * said.diameter
     rubbing = []
@@ -784,6 +786,8 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
     def across(friction: float) -> tuple[float, float]:
         """Forces around the worm and apart by that along its axis; friction is negative where the wheel drives."""
         d = math.cos(normal) * math.cos(lead) - friction * math.sin(lead)
+        if d <= 0.0:
+            raise _MeshError("its thread is so steep that friction locks it where the worm drives", "correct starts, quotient or friction")
         return (math.cos(normal) * math.sin(lead) + friction * math.cos(lead)) / d, math.sin(normal) / d
 
     (forward, push), (backward, push_back) = across(said.friction), across(-said.friction)

@@ -12,6 +12,8 @@ from .grammar import Problem
 
 MM = {"module": 0.2, "radius": 2.0, "diameter": 5.0, "collar_diameter": 5.0, "lead": 1.0}
 """Lengths that no press has [m]: they are in millimetres."""
+LEAST = 1e-6  # lengths below are as good as 0 [m]
+MOST = 10_000  # teeth, starts and planets
 STEEPEST = {"pressure_angle": 45.0, "helix": 60.0, "flank": 60.0}  # [deg]
 
 
@@ -50,8 +52,8 @@ def _link_problems(element: Element, links: tuple[str, ...], description: Descri
 def _number_problems(element: Element) -> Iterator[tuple[str, str]]:
     for name, most in MM.items():
         value = element.number(name, 0.0)
-        if value < 0.0:
-            yield f"{name} is {value:g}", "write a length above 0"
+        if value < 0.0 or 0.0 < value < LEAST:
+            yield f"{name} is {value:g} m", "write a length above 0"
         elif value >= most:
             turn = " a turn" if name == "lead" else ""
             yield f"{name} is {value:g} m{turn}", f"a URDF has metres: {value / 1e3:g} for {value:g} mm"
@@ -70,6 +72,8 @@ def _number_problems(element: Element) -> Iterator[tuple[str, str]]:
         count = element.number(name, 1.0)
         if count != round(count) or count == 0.0:
             yield f"{_COUNTED.get(name, name)} is {count:g}", "write a whole number, and not 0"
+        elif abs(count) > MOST:
+            yield f"{_COUNTED.get(name, name)} is {count:g}", f"write how many there are, {MOST} at most"
         elif count < 0.0 and name not in _COUNTED:
             yield f"{name} is {count:g}", "write a number above 0"
 
@@ -110,7 +114,7 @@ def _screw(said: Screw) -> Iterator[tuple[str, str]]:
 def _worm(said: Worm) -> Iterator[tuple[str, str]]:
     if not said.module and not said.quotient:
         yield "neither its module nor its quotient is given", "give quotient, the pitch diameter of the worm by the module, or module"
-    if said.quotient < 0.0:
+    if said.quotient and not 1.0 <= said.quotient <= 1000.0:
         yield f"quotient is {said.quotient:g}", "write the pitch diameter of the worm by the module, such as 10"
 
 
