@@ -24,6 +24,7 @@ from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, Relation
 from ..engines.contacts import Contact, Planets, Rubbing, UnitWrench
+from ..engines.pinocchio.equations import cross
 from ..engines.structure import axes, drawn_placements, joints_between
 from .description import MACHINE_ELEMENTS, GearMesh, MachineElement, Rack, Screw, Worm
 from .document import Document
@@ -426,12 +427,12 @@ class _Drawing:
 
 def _apart(point: Array, other: Array, axis: Array) -> float:
     """Distance of a point from the line through another one along an axis [m]."""
-    return float(np.linalg.norm(np.cross(point - other, axis)))
+    return math.hypot(*cross(point - other, axis))
 
 
 def _across(axis: Array, other: Array) -> float:
     """Sine of the angle between two unit vectors."""
-    return float(np.linalg.norm(np.cross(axis, other)))
+    return math.hypot(*cross(axis, other))
 
 
 def _numbers(values: Sequence[float] | Array) -> str:
@@ -534,7 +535,7 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
             )
             raise _MeshError(problem, "correct module, teeth or pins; without a module it follows from the pins")
         pressure, helix = math.acos(cosine), math.atan(math.tan(helix) * drawn / nominal)
-    across = np.cross(axis, along)
+    across = cross(axis, along)
     tangential = -(z1 + z2) / distance * across  # of gear 1 on gear 2 where the multiplier of the row is 1
     thrust = 0.0 if said.double_helical else -hand * math.copysign(1.0, r1) * math.tan(helix)
     # Teeth push the external gear of a pair to its own centre.
@@ -665,7 +666,7 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
     # The viewer sees x to the right and z up, or what is left of them: the pinion's axis points towards him.
     towards = axis * np.array([1.0, -1.0, 1.0])
     viewer = axis * np.sign(towards[np.argmax(np.abs(towards))])
-    left = np.cross(viewer, guide)
+    left = cross(viewer, guide)
     side = said.side
     if not side:
         points = [drawing.place(said.rack).translation, *(point for pin_ in drawing.pins for point, _, _ in pin_.seen_from(rack))]
@@ -674,7 +675,7 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
             raise _MeshError("the drawing does not say on which side of the rack the pinion lies", 'write side="left" or side="right"')
         side = "left" if off > 0.0 else "right"
     outward = -left if side == "left" else left  # from the pinion to the rack
-    way = float(np.cross(axis, outward) @ guide)  # 1: the rack goes along its guide where the pinion turns positively about its axis
+    way = float(cross(axis, outward) @ guide)  # 1: the rack goes along its guide where the pinion turns positively about its axis
     point = middle + radius * outward
     pressure = math.atan(math.tan(math.radians(said.pressure_angle)) / math.cos(helix))
     force = guide - hand * way * math.tan(helix) * axis
@@ -762,7 +763,7 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
     bodies = drawing.body(said.worm), drawing.body(said.wheel)
     at = [drawing.centres(link) for link in links]
     carrier, (c1, c2), (axis1, axis2), own = _shafts(drawing, links, said.carrier, at, crossed=True)
-    along = np.cross(axis1, axis2)
+    along = cross(axis1, axis2)
     along *= math.copysign(1.0, (c2 - c1) @ along)
     distance = float((c2 - c1) @ along)
     if distance < drawing.near:
@@ -778,8 +779,8 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
     # The pitch point is where both axes are nearest to each other.
     point = c1 + ((c2 - c1) @ axis1) * axis1 + r1 * along
     hand = 1.0 if said.hand == "right" else -1.0
-    wheel = math.copysign(1.0, np.cross(axis2, -along) @ axis1)  # 1: the wheel's teeth go along the worm's axis as it turns positively
-    around = np.cross(axis1, along)  # the way of the worm's teeth
+    wheel = math.copysign(1.0, cross(axis2, -along) @ axis1)  # 1: the wheel's teeth go along the worm's axis as it turns positively
+    around = cross(axis1, along)  # the way of the worm's teeth
     normal = math.radians(said.pressure_angle)
     by_wheel = z2 / r2  # force along the worm's axis by the multiplier of the row
 
