@@ -400,8 +400,11 @@ def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]
     It is the normal of the press's plane, on the side where moving links are in front of the frame; if there is no such side, the side of
     -y. It never points down.
     """
-    turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.axes, 1) if axis.turns]
+    directions = [(axis.turns, at.rotation[j, 0] @ axis.direction) for j, axis in enumerate(press.axes, 1)]
+    turning, sliding = ([direction for turns, direction in directions if turns == kind] for kind in (True, False))
     if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
+        return []
+    if any(abs(turning[0] @ way) > 1e-6 for way in sliding):  # as of a screw
         return []
     normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
     heights: dict[bool, list[float]] = {True: [], False: []}  # of parts of the frame, of moving links, along the normal
