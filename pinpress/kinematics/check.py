@@ -29,6 +29,7 @@ from ..linkage.formats.free_bodies import Base, with_base
 from ..linkage.home import mount
 from ..linkage.linkage import Linkage
 from ..linkage.loading import build, locate, parse, refuse_without_driver
+from ..linkage.machine_elements import WORDS
 from .main_data import MainData, main_data, main_lines
 from .planar.transmission_angles import Dyad, least_transmission_angles
 from .slide_path import turning_points
@@ -49,11 +50,11 @@ WHOLE = ("<robot", "<model", "<mujoco")  # elements that messages about the file
 
 @dataclass(frozen=True, repr=False)
 class Closing(Record, units={"gap": "m", "misalignment": "rad"}):
-    """A loop or gear pair of a linkage.
+    """A loop, gear pair or machine element of a linkage.
 
     Attributes:
-        name: of the loop; of a gear pair, of the joint with the ``<mimic>``.
-        type: "spherical", "revolute", "fixed" or "gear pair".
+        name: of the loop or element; of a gear pair, of the joint with the ``<mimic>``.
+        type: "spherical", "revolute", "fixed", "gear pair", or of an element "gear mesh", "rack", "screw", "worm" or "cam".
         between: names of the links, of a gear pair of the joints.
         gap: between its two sides as drawn [m].
         misalignment: of its axes or links as drawn [rad].
@@ -258,11 +259,12 @@ def _put_together(
     columns, tolerance = press.assembly.rows_as_drawn.columns, press.structure.rank_tolerance
     rank = (rank_of(columns, tolerance) if errors else press.rank) - len(press.held)
     between: list[tuple[str, ...]] = [(loop.link1.link, loop.link2.link) for loop in document.description.loops]
-    between += [tuple(press.joints[joint] for joint in relation.joints) for relation in press.relations]
+    meshing = {contact.relation: (press.link_of(contact.first), press.link_of(contact.second)) for contact in press.contacts}
+    between += [meshing.get(k, tuple(press.joints[j] for j in relation.joints)) for k, relation in enumerate(press.relations)]
     closings = (
         Closing(
             each.by.name,
-            each.by.type if isinstance(each.by, LoopJoint) else "gear pair",
+            each.by.type if isinstance(each.by, LoopJoint) else WORDS.get(each.kind, "gear pair"),
             between[k],
             *mobility.opening(press, each, press.assembly.gaps),
             joints,
@@ -415,7 +417,7 @@ def _mobility(facts: Facts) -> list[str]:
 
 
 def _bearings(facts: Facts) -> list[str]:
-    """A table of bearings in the order of the drawing, each gear pair below the joint that follows in it."""
+    """A table of bearings in the order of the drawing, each gear pair below the joint that follows in it, then machine elements."""
     rows = [["", "", "force of - on", "as drawn", "determines" if facts.engine == "plane" else "joints of the loop"]]
     before: dict[tuple[str, ...], str] = {}
     closings = {each.name: each for each in facts.closings}
@@ -435,6 +437,8 @@ def _bearings(facts: Facts) -> list[str]:
         rows.append([place.name, place.type, between, "", "driver" if place.name in facts.drivers else ""])
         if each is not None:
             rows.append(["", "gear pair", " - ".join(each.between), *closing_cells(each)])
+    elements = (each for each in facts.closings if each.type in WORDS.values())
+    rows += [[each.name, each.type, " - ".join(each.between), *closing_cells(each)] for each in elements]
     return ["Bearings in the order of the drawing", *tables.fitted_words(rows)]
 
 

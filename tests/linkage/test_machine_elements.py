@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from support.exploring import examples
 
 import pinpress as pp
+from pinpress.linkage.linkage import is_same_press
 
 DRIVE = '<transmission name="drive"><joint name="{}"/></transmission>'
 
@@ -514,3 +515,24 @@ def test_what_contradicts_is_named_by_its_element(load):
     ring = '<gear_mesh name="still" gear1="planet2" gear2="arm" teeth1="30" teeth2="-80"/></robot>'
     with pytest.raises(pp.UrdfError, match=r"mobility is 0.*gear mesh 'still'"):
         load(locked.replace("</robot>", ring))
+
+
+def test_the_first_of_two_that_mesh_is_proposed_as_driver(load, tmp_path):
+    path = tmp_path / "undriven.urdf"
+    for text, driver in ((PAIR, "Q"), (WORM, "M"), (PLANETARY, "S")):
+        path.write_text(text.replace(DRIVE.format(driver), ""))
+        assert pp.propose_drivers(path).drivers == (driver,)
+
+
+def test_check_lists_elements_below_the_bearings(tmp_path):
+    path = tmp_path / "press.urdf"
+    path.write_text(LEVER)
+    (teeth,) = (each for each in pp.check(path).facts.closings if each.name == "teeth")
+    assert (teeth.type, teeth.between) == ("gear mesh", ("ring", "rod"))
+    assert "teeth   gear mesh        ring - rod      closed" in str(pp.check(path))
+
+
+def test_presses_with_other_teeth_are_told_apart(load):
+    other = load(PAIR.replace("teeth2=", 'pressure_angle="25" teeth2='))
+    assert is_same_press(load(PAIR), load(PAIR.replace("<link", "\n<link")))
+    assert not is_same_press(load(PAIR), other)

@@ -124,7 +124,8 @@ def preferences(press: Linkage) -> Array:
     so, less in one that carries no mass, follows in a gear or has effort limit 0. Nine of ten drivers that files name are so found."""
     weights = np.ones(press.model.nv)
     levels: list[int] = []
-    followers = {relation.joint for relation in press.relations}
+    followed = {contact.relation: contact.second - 1 for contact in press.contacts}  # gears are named as they drive each other
+    followers = {followed.get(k, relation.joint) for k, relation in enumerate(press.relations)}
     limits = {joint.name: joint.limits for joint in press.document.description.joints}
     for joint, (name, parent) in enumerate(zip(press.joints, press.structure.parents, strict=True)):
         levels.append(0 if parent < 0 else 1 + levels[parent])
