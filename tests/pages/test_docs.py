@@ -46,6 +46,7 @@ RUN += [
     "engines",
     "errors",
     "press_parts",
+    "machine_elements",
     "measured",
     "measured_vibration",
     "motor",

@@ -225,6 +225,11 @@ QUESTIONS = {
     "finite element forces": "motion_and_forces",
     "1000 variants": "sweep",
     "toggle double rods": "pin_table describe",
+    "planetary gear": "machine_elements",
+    "rack and pinion": "machine_elements",
+    "tooth force": "machine_elements",
+    "screw press": "machine_elements",
+    "self-locking": "machine_elements",
     "power residual": "errors",
     "Windows": "install",
 }
