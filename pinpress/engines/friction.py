@@ -12,6 +12,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
+RUNAWAY = 1e9  # share of the first sizes above which changes grow without end
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
 
 
@@ -92,14 +93,19 @@ def fixed_point(follow: Callable[[Array], tuple[Array, Array]], start: Array, se
     Returns:
         The efforts, and None; where they do not settle, the last changes (...), infinite where they are not finite.
     """
-    efforts, change = start, np.full(start.shape[1:], np.inf)
-    for _ in range(MOST_ITERATIONS):
-        following, size = follow(efforts)
-        before, change = change, np.abs(following - efforts).max(axis=0)
-        efforts = following
-        # rounding can keep the last digits moving: stop where the change no longer shrinks
-        if np.all((change <= settled * size) | ((change <= 1e-12 * size) & (change >= before))):
-            return efforts, None
-        if not np.isfinite(size).all():
-            break
+    for share in (
+        1.0,
+        0.125,
+    ):  # where forces answer a change by more, against it, as in a thread that locks, whole steps leave the solution
+        efforts, change, first = start, np.full(start.shape[1:], np.inf), np.zeros(start.shape[1:])
+        for _ in range(MOST_ITERATIONS):
+            following, size = follow(efforts)
+            before, change = change, np.abs(following - efforts).max(axis=0)
+            efforts = following if share == 1.0 else efforts + share * (following - efforts)
+            # rounding can keep the last digits moving: stop where the change no longer shrinks
+            if np.all((change <= settled * size) | ((change <= 1e-12 * size) & (change >= before))):
+                return efforts, None
+            first = size if np.isinf(before).all() else first
+            if not (change <= RUNAWAY * first).all():
+                break
     return efforts, np.where(np.isfinite(change), change, np.inf)

@@ -62,17 +62,17 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
     rows = np.zeros((placed.bearings + placed.rows, states.v.shape[1]))
     speeds, efforts = rows, rows
     if law is not None:
-        speeds = law.moving(bearing_loads(engine, states, conditions._replace(law=None, friction=rows), states.v).speed)
+        own = engine.bearing_loads(states, conditions.under((), None), states.v).speed
+        speeds = law.moving(np.concatenate([own, placed.speeds(states.v)]))
 
         def pressing(efforts: Array) -> Array:
-            radial = bearing_loads(engine, states, conditions._replace(law=None, friction=efforts), states.v).radial
-            sizes = np.sqrt(np.einsum("bni,bni->bn", radial, radial))
-            return np.where(np.arange(len(radial))[:, None] < placed.bearings, sizes, radial[:, :, 0])
+            found, by_effort = placed.bearing_loads(conditions, efforts, states.v)
+            return np.concatenate([np.sqrt(np.einsum("bni,bni->bn", found.radial, found.radial)), by_effort[placed.owners]])
 
         efforts = law.efforts(speeds, pressing, lambda state: structure.place(states.position[:, state]))
     acting = conditions.under(placed.rubbing(efforts), efforts[: placed.bearings])
     result = engine.inverse_dynamics(states, acting, bearings=False)
-    friction = np.concatenate([-efforts[: placed.bearings] * speeds[: placed.bearings], placed.lost(efforts, speeds)])
+    friction = np.concatenate([0.0 - efforts[: placed.bearings] * speeds[: placed.bearings], placed.lost(efforts, speeds)])
     if not bearings:
         return Wrenches(result.torque, result.relations, friction, result.force, result.moment)
     relations = [contact.relation for contact in structure.contacts]
@@ -99,17 +99,11 @@ def bearing_loads(engine: Engine, states: ClosedStates, conditions: AppliedCondi
     if not engine.structure.contacts or conditions.friction is None:
         return engine.bearing_loads(states, conditions, rates)
     placed = _Placed(engine, states)
-    acting = conditions.under(placed.rubbing(conditions.friction), conditions.friction[: placed.bearings])
-
-    def balance(loads: Sequence[AppliedForce]) -> BearingLoads:
-        return engine.bearing_loads(states, acting.under(loads, acting.friction), rates)
-
-    efforts = placed.efforts(balance)
-    found = balance(placed.loads(efforts))
+    found, by_effort = placed.bearing_loads(conditions, conditions.friction, rates)
     radial = np.zeros((placed.rows, *found.radial.shape[1:]))
-    radial[:, :, 0] = efforts[placed.owners]
-    speed = placed.speeds(engine, states, rates)
-    return BearingLoads(np.concatenate([found.speed, speed]), np.concatenate([found.radial, radial]), found.relations)
+    radial[:, :, 0] = by_effort[placed.owners]
+    speed = np.concatenate([found.speed, placed.speeds(rates)])
+    return BearingLoads(speed, np.concatenate([found.radial, radial]), found.relations)
 
 
 def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -159,6 +153,7 @@ class _Placed:
     """The contacts of a linkage in n states. Efforts of contacts are (contacts, n), of friction (bearings + rows, n)."""
 
     def __init__(self, engine: Engine, states: ClosedStates) -> None:
+        self.engine, self.states = engine, states
         self.structure, self.contacts = engine.structure, engine.structure.contacts
         self.units = [contact.wrench(states.position) for contact in self.contacts]
         self.bearings = len(states.v) + len(self.structure.loops)
@@ -222,12 +217,22 @@ class _Placed:
     def _place(self, contact: Contact, point: Array) -> Array:
         return np.asarray(self._turned(contact, point) + self.origin[contact.carrier])
 
-    def speeds(self, engine: Engine, states: ClosedStates, rates: Array) -> Array:
+    def bearing_loads(self, conditions: AppliedConditions, efforts: Array, rates: Array) -> tuple[BearingLoads, Array]:
+        """`Engine.bearing_loads` with what acts in contacts, and their efforts (contacts, n)."""
+        acting = conditions.under(self.rubbing(efforts), efforts[: self.bearings])
+
+        def balance(loads: Sequence[AppliedForce]) -> BearingLoads:
+            return self.engine.bearing_loads(self.states, acting.under(loads, acting.friction), rates)
+
+        by_effort = self.efforts(balance)
+        return balance(self.loads(by_effort)), by_effort
+
+    def speeds(self, rates: Array) -> Array:
         """Speeds (rows, n) with which contacts rub at joint rates (nv, n)."""
         speeds = np.zeros((self.rows, rates.shape[1]))
         if not self.rubbings:
             return speeds
-        motion = engine.body_motion(replace(states, v=rates), self.bodies, accelerations=False)
+        motion = self.engine.body_motion(replace(self.states, v=rates), self.bodies, accelerations=False)
         moving = dict(zip(self.bodies, zip(motion.velocity.transpose(0, 2, 1), motion.spin.transpose(0, 2, 1), strict=True), strict=True))
         for row, ((contact, rubbing), owner) in enumerate(zip(self.rubbings, self.owners, strict=False)):
             force, couple = self._turned(contact, rubbing.force), self._turned(contact, rubbing.couple)

@@ -114,7 +114,7 @@ class BearingModel(Panels):
             # Newton's method squares the error: the next step would be about 1e-18.
             if np.abs(step).max() <= 1e-9 * np.abs(efforts).max():
                 # beyond a gain of 1 friction would have to support itself
-                if np.abs(slopes).sum(axis=1).max() < 1.0 or np.abs(np.linalg.eigvals(slopes)).max() < 1.0:
+                if np.abs(slopes).sum(axis=1).max() < 1.0 or np.linalg.eigvals(slopes).real.max() < 1.0:
                     return -way * float(lever @ efforts)
                 break
         raise failure("friction locks", None, angle)
