@@ -126,6 +126,35 @@ def test_a_planetary_gear_turns_by_willis(load, engine):
     assert math.isclose(torque, by_hand, rel_tol=1e-9)
 
 
+@pytest.mark.parametrize("cut", ["B", "A"])
+def test_gears_may_be_held_by_loops(load, cut):
+    """The lever gear with the rod on the slide, and the crank's pin in the rod or in the frame as the loop: all moves as before."""
+    bodies = link("crank", 2, 0.0006, 0.03) + link("ring", 8, 0.0576) + link("rod", 3, 0.0144, -0.12) + link("slide", 5)
+    tree = pin("A1", "frame", "ring") + guide("guide", "slide", (0.3, 0, 0), "1 0 0") + pin("C", "slide", "rod")
+    if cut == "B":
+        ends = pin("A", "frame", "crank"), '<link1 link="crank" xyz="0.06 0 0"/><link2 link="rod" xyz="-0.24 0 0"/>'
+    else:  # the crank's frame is at its pin in the rod
+        ends = pin("B", "rod", "crank", (-0.24, 0, 0)), '<link1 link="frame"/><link2 link="crank" xyz="-0.06 0 0"/>'
+    teeth = '<gear_mesh name="teeth" gear1="ring" gear2="rod" teeth1="-40" teeth2="20"/>\n'
+    press = load(robot(bodies, tree, ends[0], f'<loop_joint name="{cut}" type="spherical">{ends[1]}</loop_joint>\n', teeth, driver="A1"))
+    motion = pp.servo_cycle(press, angle=np.radians([10, 20, 30]), speed=10.0, acceleration=0.0)
+    np.testing.assert_allclose(motion.slide_position, [0.2922685075, 0.2729574102, 0.2496150883], rtol=0, atol=5.1e-11)
+    assert press.meshes["teeth"].carrier == "crank"
+
+
+def test_stages_of_planets_multiply(load):
+    """Two equal stages, the arm of the first one is the shaft of the second sun."""
+    parts = [link("sun") + pin("S", "frame", "sun")]
+    for stage, sun in ((1, "sun"), (2, "arm1")):
+        parts.append(link(f"arm{stage}", centre=0.1) + link(f"planet{stage}"))
+        parts.append(pin(f"C{stage}", "frame", f"arm{stage}") + pin(f"P{stage}", f"arm{stage}", f"planet{stage}", (0.25, 0, 0)))
+        parts.append(f'<gear_mesh name="s{stage}" gear1="{sun}" gear2="planet{stage}" teeth1="20" teeth2="30"/>\n')
+        parts.append(f'<gear_mesh name="r{stage}" gear1="planet{stage}" gear2="frame" teeth1="30" teeth2="-80"/>\n')
+    press = load(robot(*parts, driver="S"))
+    assert math.isclose(ratio(press, "S", "C2"), 1 / 25, rel_tol=1e-12)
+    assert press.engines[0] == "plane"
+
+
 def test_a_cardan_circle_draws_a_straight_line(load):
     pinion_in_ring = robot(
         link("crank") + link("pinion"),
