@@ -126,7 +126,7 @@ class Linkage(Frozen):
             raise PinpressError(f"{self.name}: {body} has {problem}: give inertias of bodies, in kg and kg m2 about the centre of mass")
         said = self.document.description
         if self.contacts and (said.machine_elements or said.cams):  # of another model they are elsewhere
-            with contextlib.suppress(UrdfError):  # lengths that deviate a little leave gears as they were
+            with contextlib.suppress(UrdfError):  # lengths that gears do not go with leave them as they were
                 of_cams = cams.contacts(self.document, self.model, self.relations)
                 vars(self)["contacts"] = contacts_of(self._elements, self.relations) + of_cams
 
@@ -237,7 +237,10 @@ class Linkage(Frozen):
     @per_linkage(of_geometry=True)
     def _elements(self) -> tuple[Placed, ...]:
         """The elements of teeth and threads in the drawn pose; raises UrdfError where they no longer mesh in a changed model."""
-        return placed(self.document, self.model, self.loops)
+        try:
+            return placed(self.document, self.model, self.loops)
+        except UrdfError:  # pins of one axis may deviate from each other in a changed model
+            return placed(self.document, self.model, self.loops, deviating=True)
 
     @property
     def mobility(self) -> int:

@@ -34,6 +34,7 @@ WORDS = {"gears": "gear mesh", "rack": "rack", "screw": "screw", "worm": "worm",
 """What messages call a contact, by its kind."""
 
 COINCIDE = 1e-6  # points of one axis are apart by less, as files round them [lengths of the linkage]
+DEVIATE = 1e-3  # the same in a linkage whose lengths deviate
 ALIGNED = 1e-6  # sine of the angle up to which axes count as parallel or at a right angle
 
 
@@ -202,12 +203,13 @@ class _UnfitError(Exception):
 # ------------------------------------------------------------------------------------------------------------- relations and contacts
 
 
-def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint]) -> tuple[Placed, ...]:
-    """The elements of a URDF in the drawing of its model; raises UrdfError where they cannot mesh."""
+def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint], deviating: bool = False) -> tuple[Placed, ...]:
+    """The elements of a URDF in the drawing of its model; raises UrdfError where they cannot mesh. ``deviating``: whether pins of one axis
+    may be apart by tolerances, and planets have centre distances that deviate."""
     elements = document.description.machine_elements
     if not elements:
         return ()
-    drawing, result = _Drawing(model, loops), []
+    drawing, result = _Drawing(model, loops, DEVIATE if deviating else COINCIDE), []
     for said in elements:
         try:
             result.append(_PLACES[type(said)](said, drawing))
@@ -215,7 +217,8 @@ def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint]) -> 
             raise _refusal(document, said, *fault.args) from None
     try:
         result = list(_with_planets(elements, result))
-        _refuse_unfit_teeth(elements, [each.mesh for each in result])
+        if not deviating:
+            _refuse_unfit_teeth(elements, [each.mesh for each in result])
     except _UnfitError as fault:
         raise _refusal(document, *fault.args) from None
     return tuple(result)
@@ -339,7 +342,7 @@ class _Centre(NamedTuple):
 class _Drawing:
     """The tree of a linkage as drawn, in world axes."""
 
-    def __init__(self, model: pin.Model, loops: Sequence[LoopJoint]) -> None:
+    def __init__(self, model: pin.Model, loops: Sequence[LoopJoint], near: float) -> None:
         self.model, self.places, self.axes = model, drawn_placements(model), axes(model)
         self.parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
         self.directions = [self.places[j].rotation @ axis.direction for j, axis in enumerate(self.axes, 1)]
@@ -357,7 +360,7 @@ class _Drawing:
         turning_first = (direction for direction, axis in zip(self.directions, self.axes, strict=True) if axis.turns)
         self.plane = next(turning_first, np.array([0.0, -1.0, 0.0]))  # the axis of balls, which close loops of a plane
         points = np.array([point for pin_ in self.pins for point in pin_.points] or [np.zeros(3)])
-        self.near = COINCIDE * (float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0)
+        self.near = near * (float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0)
 
     def body(self, link: str) -> int:
         """Pinocchio joint of the body that a link is of."""

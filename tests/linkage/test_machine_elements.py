@@ -393,6 +393,29 @@ def test_a_worm_pushes_by_its_lead_and_friction(load):
     assert math.isclose(by_centres.module, 0.008, rel_tol=1e-14)
 
 
+@pytest.mark.parametrize("text", [PAIR.replace("teeth1", 'helix="15" efficiency="0.98" teeth1'), WORM, SPINDLE])
+def test_contacts_turn_with_the_whole_press(load, text):
+    def lie(press):
+        (contact,) = press.contacts
+        rubs = [vector for each in contact.rubbing for vector in (each.force, each.couple)]
+        return np.array([*contact.unit, *rubs]), [(each.forward, each.backward) for each in contact.rubbing]
+
+    base = '<joint name="base" type="fixed"><parent link="frame"/><child link="base"/><origin rpy="0.3 -0.7 1.1"/></joint>\n'
+    turned = text.replace('link="frame"', 'link="base"').replace(
+        '<link name="frame"/>\n', f'<link name="frame"/>\n<link name="base"/>\n{base}'
+    )
+    (there, shares_there), (here, shares) = lie(load(turned)), lie(load(text))
+    rotation = pin_rotation(0.3, -0.7, 1.1)
+    np.testing.assert_allclose(there, here @ rotation.T, atol=1e-12 * np.abs(here).max())
+    np.testing.assert_allclose(shares_there, shares, rtol=1e-12)
+
+
+def pin_rotation(roll, pitch, yaw):
+    """Rotation about x, then y, then z of the world."""
+    (a, b), (c, d), (e, f) = ((math.cos(angle), math.sin(angle)) for angle in (roll, pitch, yaw))
+    return np.array([[e, -f, 0], [f, e, 0], [0, 0, 1]]) @ [[c, 0, d], [0, 1, 0], [-d, 0, c]] @ [[1, 0, 0], [0, a, -b], [0, b, a]]
+
+
 # --------------------------------------------------------------------------------------------------------------- a changed press
 
 
@@ -422,6 +445,13 @@ def test_teeth_mesh_as_drawn_where_the_press_is_put_together_elsewhere(load):
     apart = load(LEVER.replace('xyz="0.3 0 0"', 'xyz="0.27 0 0"'), pose={"A1": 0.5})
     motion = pp.servo_cycle(apart, angle=np.radians([10, 20]), speed=10.0, acceleration=0.0)
     np.testing.assert_allclose(motion.slide_position, [0.2922685075, 0.2729574102], rtol=0, atol=5.1e-11)
+
+
+def test_pins_of_one_axis_may_deviate_from_each_other(load):
+    press = load(LEVER)
+    apart = pp.derivatives.reshaped(press, {("A1", "frame"): (1e-4, 0, 0)})
+    assert apart.meshes["teeth"].carrier == "crank"
+    np.testing.assert_array_equal(apart.contacts[0].unit, press.contacts[0].unit)
 
 
 def test_two_drivers_of_a_train_can_be_made_one(load):
