@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from ..common.quantities import Array
 from ..visual.shapes.appearance import STAND_IN, ShownLink
-from ..visual.shapes.solids import Box, Cylinder, Part, Plate, Shape, Sphere
+from ..visual.shapes.solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh
 from .copies import Parts
 from .links import FRAME, Link, axes_along
 from .machine_elements import MachineElement
@@ -161,12 +161,13 @@ def _origin(place: pin.SE3, size: float) -> str:
 
 
 def _visuals(part: Part, link: str) -> Iterator[str]:
-    """A coloured solid, rounded to a hundredth of a millimetre. URDF has no plates, so a plate is drawn as boxes side by side."""
+    """A coloured solid, rounded to a hundredth of a millimetre. URDF has no plates, so a plate is drawn as boxes side by side; nor has it
+    triangles outside of files, so that pitch circles and threads are left out."""
     if isinstance(part.shape, Plate):
         for strip, (x, y) in part.shape.strips():
             moved = part.placement @ np.array([x, y, 0.0, 1.0])
             yield _visual(strip, moved[:3], part, link)
-    else:
+    elif not isinstance(part.shape, TriangleMesh):
         yield _visual(part.shape, part.placement[:3, 3], part, link)
 
 

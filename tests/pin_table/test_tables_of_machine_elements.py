@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, PLANETARY, SCREW, TEETH, changed, meshing
+from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, MESHING, PLANETARY, SCREW, TEETH, changed, meshing
 
 import pinpress as pp
 from pinpress.pin_table.building import draft
@@ -298,3 +298,13 @@ def test_mirrored_racks_push_as_mirror_images(turns):
     forces = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce(f"slide_{k}", (0, 0, 1e4)) for k in (1, 2)]).bearing_force
     np.testing.assert_allclose(forces["rack_2"], forces["rack_1"] * (-1, 1, 1), rtol=0, atol=1e-9)
     assert forces["rack_1"][-1] == pytest.approx((3621.8496026713, 0, -9950.95), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", MESHING)
+def test_the_urdf_with_shapes_loads_to_the_same_press(name, tmp_path):
+    drawn = draft(**MESHING[name])
+    (tmp_path / "press.urdf").write_bytes(drawn.urdf)
+    press, again = drawn.press(), pp.load(tmp_path / "press.urdf")
+    assert (again.joints, again.drivers, list(again.meshes)) == (press.joints, press.drivers, list(press.meshes))
+    for one, other in zip(again.relations, press.relations, strict=True):
+        assert dict(one.coefficients) == pytest.approx(dict(other.coefficients), rel=1e-14)
