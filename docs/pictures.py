@@ -76,6 +76,16 @@ def polar() -> Figure:
     return pp.plots.draw(turn(), "polar A", "polar D")
 
 
+def pole_path() -> Figure:
+    """docs/lectures.md: the pole of the coupler."""
+    return pp.plots.draw(pp.measures.poles(six_bar(), turn().motion, "coupler", "frame"))
+
+
+def polygons() -> Figure:
+    """docs/lectures.md: both polygons at a crank angle of 60 degrees."""
+    return pp.plots.draw(pp.measures.polygons(six_bar(), turn().motion, 60))
+
+
 def workspace() -> bytes:
     """docs/robots.md: where a five-bar locks, and the dead points of its hand."""
     arm = pp.load(DOCS / "robots" / "five_bar.urdf")
@@ -411,7 +421,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, workspace, run, slip_clutch, tolerances, identifiability, ratings,
+    slide, polar, pole_path, polygons, workspace, run, slip_clutch, tolerances, identifiability, ratings,
     die_trade_off, play, accuracy_budget, pause, eight_way_guide, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, frame_report, frame_modes, live, process_force, measured_modes, orders,

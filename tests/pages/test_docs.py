@@ -28,6 +28,7 @@ RUN = [
     "elasticity",
     "foundation",
     "jobs",
+    "lectures",
     "motion_and_forces",
     "ratings",
     "recording",

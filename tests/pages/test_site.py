@@ -163,6 +163,8 @@ QUESTIONS = {
     "torque curve": "motion_and_forces examples/permissible tour",
     "bearing load": "motion_and_forces examples/forces",
     "dead centre": "motion_and_forces tour",
+    "instant centre": "lectures glossary",
+    "Grashof": "lectures reference/motion",
     "stroke length": "motion_and_forces synthesis",
     "sign convention": "units_and_signs",
     "URDF loop": "describe",
