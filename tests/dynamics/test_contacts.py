@@ -4,6 +4,8 @@ closed forms of threads and worms, bodies cut free, and runs against inverse dyn
 import numpy as np
 import pytest
 from support.generators.meshed import planar
+from support.generators.random_gears import random_gears
+from support.oracles.cut_free import cut_free
 from support.texts import load, shipped
 
 import pinpress as pp
@@ -176,6 +178,63 @@ def test_one_planet_for_four_and_all_that_are_drawn(engine, efficiencies):
     for name in ("sun0", "P0"):
         assert all_.indeterminate[name][[0, 2]].all()
         assert not one.indeterminate[name][[0, 2]].any()
+
+
+KINDS = ("planetary", "lever gear", "lever gear by a loop")
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 20))]
+
+
+def random_states(kind, seed):
+    press, random = random_gears(seed, kind), np.random.default_rng(seed)
+    motion = pp.servo_cycle(
+        press, angle=random.uniform(-0.3, 0.3, 3), speed=random.uniform(2, 5, 3), acceleration=random.uniform(-20, 20, 3)
+    )
+    return press, motion, [pp.loads.PointForce("slide", tuple(1e3 * random.normal(size=3)))]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_bodies_cut_free(kind, seed):
+    """Teeth between bodies on moving carriers, also on one that only a loop joins to its gear, in planes that stand anyhow."""
+    press, motion, loads = random_states(kind, seed)
+    states = [cut_free(press, motion, i, loads) for i in range(len(motion.q))]
+    size = max(np.abs(state.wrenches[:, :3]).max() for state in states)
+    for engine in press.engines:
+        found = pp.inverse_dynamics(press, motion, loads, engine=engine)
+        assert np.abs(found.power_residual).max() < 1e-12
+        for i, state in enumerate(states):
+            forces = np.array([[found.bearing_force[name][i], found.bearing_moment[name][i] / press.size] for name in press.bearings])
+            expected = state.wrenches.reshape(-1, 2, 3) / np.array([1.0, press.size])[:, None]
+            np.testing.assert_allclose(forces, expected, rtol=0, atol=1e-12 * size)
+            np.testing.assert_allclose(found.driving_torque[i], state.drives[0], rtol=0, atol=1e-12 * size * press.size)
+            teeth = [abs(each.tangential[i]) for each in found.mesh.values()]
+            np.testing.assert_allclose(teeth, np.abs(state.teeth), rtol=0, atol=1e-12 * size)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_friction_of_bearings_that_teeth_push_apart(kind, seed):
+    """Every bearing loses what its own force and speed say, which teeth and their losses are in; one engine as the other."""
+    press, motion, loads = random_states(kind, seed)
+    elements = press.text.decode().replace("pressure_angle", 'efficiency="0.97" pressure_angle')
+    press = load(elements, drivers=press.drivers)
+    pins = [name for name in press.bearings if name != "G"]
+    results = [
+        pp.inverse_dynamics(press, motion, loads, {name: Friction(0.02, radius=0.05 * press.size) for name in pins}, engine=engine)
+        for engine in press.engines
+    ]
+    size = max(np.abs(results[0].bearing_force[name]).max() for name in press.bearings)
+    normal = press.engine().turning_axes()[0]
+    for found in results:
+        assert np.abs(found.power_residual).max() < 1e-13
+        for name in press.joints:
+            if name in pins:
+                across = np.linalg.norm(np.cross(found.bearing_force[name], normal), axis=1)
+                lost = 0.02 * 0.05 * press.size * across * np.abs(motion.v[:, press.joints.index(name)])
+                np.testing.assert_allclose(found.friction_power[name], lost, rtol=1e-11, atol=1e-12 * size * press.size)
+        for name in (*press.bearings, *found.mesh):
+            np.testing.assert_allclose(found.bearing_force[name], results[0].bearing_force[name], rtol=0, atol=1e-11 * size)
+            np.testing.assert_allclose(found.friction_power[name], results[0].friction_power[name], rtol=0, atol=1e-10 * size * press.size)
 
 
 def test_a_pinion_of_a_rack_and_the_friction_of_its_bearing():

@@ -25,18 +25,24 @@ class CutFree(NamedTuple):
     open_couplings: np.ndarray
     idle: np.ndarray
     least: float
+    teeth: np.ndarray
 
 
-def cut_free(press, motion, i, loads=(), stiffness=None):
+def cut_free(press, motion, i, loads=(), stiffness=None, flanks=None):
     """Newton's and Euler's equations of all bodies at state i, with a force and a moment of every bearing, a torque of every gear pair and
-    drive as unknowns; of what they leave open the share with the least elastic energy (where there is a stiffness), then the least sum of
-    squared forces, of squared moments, of squared torques."""
+    drive, and a force between the teeth of every ``<gear_mesh>`` as unknowns; of what they leave open the share with the least elastic
+    energy (where there is a stiffness), then the least sum of squared forces, of squared moments, of squared torques.
+
+    Teeth push apart, whichever flank they touch with: ``flanks``, the signs of their tangential forces, follow from a solution without.
+    """
+    if flanks is None and meshes(press):
+        flanks = np.sign(cut_free(press, motion, i, loads, stiffness, np.zeros(len(meshes(press)))).teeth)
     model, loops = press.model, Loops(press.text.decode(), press.model)
-    data, bearings, couplings, drivers = loops.data, len(press.bearings), len(press.couplings), len(press.drivers)
+    data, bearings, couplings, drivers = loops.data, len(press.bearings), len(gears(press)), len(press.drivers)
     pin.forwardKinematics(model, data, motion.q[i], motion.v[i], motion.a[i])
     pin.computeJointJacobians(model, data, motion.q[i])
     pin.updateFramePlacements(model, data)
-    width = 6 * bearings + couplings + drivers
+    width = 6 * bearings + couplings + drivers + len(meshes(press))
     balance, known = np.zeros((6 * model.nv, width)), np.zeros(6 * model.nv)
 
     def act(body, bearing, point, sign):
@@ -72,6 +78,14 @@ def cut_free(press, motion, i, loads=(), stiffness=None):
             push(slide + 1, 6 * bearings + k, pitch, share * along)
             push(shaft + 1, 6 * bearings + k, pitch, -share * along)
             toothed.add(k)
+    for k, mesh in enumerate(meshes(press)):
+        bodies, (c1, c2), (z1, z2), pressure = _placed(press, data, mesh)
+        axis, between = press.engine().turning_axes()[0], c2 - c1  # planar gears
+        pitch = c1 + z1 / (z1 + z2) * between
+        tangential, own = np.cross(axis, between) / np.linalg.norm(between), (c1 if z1 > 0 else c2) - pitch
+        apart = own / np.linalg.norm(own) * (1 if z1 > 0 else -1)  # on the first gear: the outer gear of a pair is pushed to its centre
+        for body, sign in zip(bodies, (1.0, -1.0), strict=True):
+            push(body, 6 * bearings + couplings + drivers + k, pitch, sign * (tangential + flanks[k] * np.tan(pressure) * apart))
     free, across = [], np.tile(np.eye(3), (bearings, 2, 1, 1))  # across: projections of forces and moments to what is weighed
     for j, name in enumerate(press.joints):
         place, inertia = data.oMi[j + 1], model.inertias[j + 1]
@@ -129,7 +143,8 @@ def cut_free(press, motion, i, loads=(), stiffness=None):
     reached = (np.abs(idle[: 6 * bearings]).max(axis=1, initial=0.0) > ZERO).reshape(bearings, 6)
     geared = np.abs(idle[6 * bearings : 6 * bearings + couplings]).max(axis=1, initial=0.0) > ZERO
     basis = idle[: 6 * bearings].T.reshape(-1, bearings, 6)
-    return CutFree(wrenches, efforts[:couplings], efforts[couplings:], reached, geared, basis, least)
+    torques, teeth = np.split(efforts[couplings:], [drivers])
+    return CutFree(wrenches, efforts[:couplings], torques, reached, geared, basis, least, teeth)
 
 
 def gears(press):
@@ -137,3 +152,28 @@ def gears(press):
     joints = ElementTree.fromstring(press.text).findall("joint")
     pairs = [(joint.get("name"), joint.find("mimic")) for joint in joints]
     return [(name, mimic.get("joint"), float(mimic.get("multiplier"))) for name, mimic in pairs if mimic is not None]
+
+
+def meshes(press):
+    """The elements ``<gear_mesh>`` of the text."""
+    return ElementTree.fromstring(press.text).findall("gear_mesh")
+
+
+def _placed(press, data, mesh):
+    """Bodies, centres in the world, teeth, and pressure angle of a pair of gears, each of which turns about a pin on the carrier or, with
+    the carrier, about one on a third body."""
+    model, carrier = press.model, mesh.get("carrier")
+    bodies = [model.frames[model.getFrameId(mesh.get(f"gear{k}"), pin.BODY)].parentJoint for k in (1, 2)]
+    on = model.frames[model.getFrameId(carrier, pin.BODY)].parentJoint
+
+    def pins(body):
+        ends = [(j, model.parents[j], data.oMi[j].translation) for j in range(1, model.njoints) if press.axes[j - 1].turns]
+        ends += [(loop.joint1, loop.joint2, data.oMi[loop.joint1].act(loop.point1)) for loop in press.loops]
+        return [(set(pair[:2]) - {body}, pair[2]) for pair in ends if body in pair[:2]]
+
+    centers = []
+    for body in bodies:
+        own = [place for others, place in pins(body) if on in others]
+        own += [place for _, place in pins(body) for _, other in pins(on) if np.linalg.norm(place - other) < 1e-9]
+        centers.append(own[0] if own else data.oMi[on].translation)  # a ring on the frame is about the carrier's own pin
+    return bodies, centers, [float(mesh.get(f"teeth{k}")) for k in (1, 2)], np.radians(float(mesh.get("pressure_angle", "20")))
