@@ -23,7 +23,7 @@ from ..kinematics.motion import Motion, is_cycle
 from ..loads import caller_laws
 from ..loads.link import LinkLoad, PointForce, PointMoment, is_constant
 from ..loads.process import ProcessLoad, TimeForce, datum
-from .applied_loads import intervals_of
+from .applied_loads import RelativeTurn, intervals_of, relative_turn
 from .inverse_dynamics import in_other_states
 from .reactions import Reactions
 
@@ -163,6 +163,10 @@ def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
         if name in press.joints:
             joint = press.joints.index(name)
             times.append(_roots(path, _joint_rate(joint), states, motion))
+    for contact in press.contacts:
+        if contact.rubbing:
+            turn = relative_turn(press, press.link_of(contact.carrier), press.link_of(contact.first), contact.name)
+            times += [] if turn is None else [_roots(path, _turning_rate(turn), states, motion)]
     processes = [load for load in reactions.loads if not isinstance(load, LinkLoad | TimeForce)]
     if processes:
         turns = np.unique(path.inside(_roots(path, lambda motion: (motion.slide_velocity, motion.slide_acceleration), states, motion)))
@@ -205,6 +209,10 @@ AlongMotion = Callable[[Motion], tuple[Array, Array]]
 
 def _joint_rate(joint: int) -> AlongMotion:
     return lambda motion: (motion.v[:, joint], motion.a[:, joint])
+
+
+def _turning_rate(turn: RelativeTurn) -> AlongMotion:
+    return lambda motion: (turn.angle(motion.v), turn.angle(motion.a))
 
 
 def _height_above(level: float) -> AlongMotion:
