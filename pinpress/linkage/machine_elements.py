@@ -11,6 +11,7 @@ say the rest. It stands still in the carrier, so that it is worked out once, in 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -218,7 +219,7 @@ def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint], dev
     try:
         result = list(_with_planets(elements, result))
         if not deviating:
-            _refuse_unfit_teeth(elements, [each.mesh for each in result])
+            _refuse_unfit_teeth(elements, result)
     except _UnfitError as fault:
         raise _refusal(document, *fault.args) from None
     return tuple(result)
@@ -455,36 +456,37 @@ def _sum(*parts: tuple[float, Mapping[int, float]]) -> dict[int, float]:
 
 
 class _Shafts(NamedTuple):
-    """The axes of two bodies that mesh, and their carrier: points of both axes on the carrier and the axes, in the world as drawn, and the
-    points on the bodies themselves."""
+    """The axes of two bodies that mesh, and their carrier: points of both axes on the carrier and the axes, in the world as drawn, the
+    points on the bodies themselves, and whether the first one may be a planet about the second."""
 
     carrier: int
     centres: tuple[Array, Array]
     axes: tuple[Array, Array]
     own: tuple[Array, Array]
+    first_is_planet: bool
 
 
 def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequence[list[_Centre]], crossed: bool) -> _Shafts:
     """The axes of two links, parallel or ``crossed`` at a right angle, that one carrier holds apart; ``named``: the carrier's link."""
     bodies = tuple(map(drawing.body, links))
     wanted = drawing.body(named) if named else None
-    if wanted in bodies:
-        raise _MeshError(f"its carrier {named!r} is one of the two itself", "name the link that holds both centres, or leave carrier out")
     found: dict[int, _Shafts] = {}
     coaxial, skew = False, 0.0
     for one in centres[0]:
         for other in centres[1]:
-            sine = _across(one.axis, other.axis)
+            off = abs(float(one.axis @ other.axis)) if crossed else _across(one.axis, other.axis)
             common = [body for body in one.holders if body in other.holders and body not in bodies and wanted in (None, body)]
-            if common and not (1 - sine < ALIGNED if crossed else sine < ALIGNED):
-                skew = max(skew, sine)
+            if common and off > ALIGNED:
+                skew = max(skew, off)
                 continue
             for body in common:
                 ends = one.holders[body], other.holders[body]
                 if not crossed and _apart(*ends, one.axis) < drawing.near:
                     coaxial = True
                     continue
-                found.setdefault(body, _Shafts(body, ends, (one.axis, other.axis), (one.point, other.point)))
+                # A planet is held by its carrier alone, a sun or ring also by what the carrier turns on.
+                first_is_planet = len(one.holders) == 2 < len(other.holders)
+                found.setdefault(body, _Shafts(body, ends, (one.axis, other.axis), (one.point, other.point), first_is_planet))
     if len(found) > 1:
         carriers = " and ".join(repr(drawing.link(body)) for body in found)
         raise _MeshError(f"links {carriers} hold both centres", f'name the one that is meant, carrier="{drawing.link(next(iter(found)))}"')
@@ -493,7 +495,7 @@ def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequ
     if coaxial:
         problem = f"the centres of {links[0]!r} and {links[1]!r} are in one point: their distance is 0"
         raise _MeshError(problem, "write <mimic>, in a table gears:, for a belt, a chain or a coupling, or correct the centre")
-    if crossed and skew < 1 - ALIGNED and skew > 0.0:
+    if crossed and skew:
         raise _MeshError("the axes of worm and wheel are not at a right angle", "turn one of them: other worms are not supported")
     if skew > 0.5:
         raise _MeshError("the axes of the two gears are not parallel", "a worm is for axes that cross; bevel gears are not supported")
@@ -518,7 +520,7 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
     """Two gears."""
     links, z1, z2 = (said.gear1, said.gear2), said.teeth1, said.teeth2
     at = [drawing.centres(said.gear1, said.center1), drawing.centres(said.gear2, said.center2)]
-    carrier, (c1, c2), (axis, _), own = _shafts(drawing, links, said.carrier, at, crossed=False)
+    carrier, (c1, c2), (axis, _), own, first_is_planet = _shafts(drawing, links, said.carrier, at, crossed=False)
     bodies = drawing.body(said.gear1), drawing.body(said.gear2)
     between = c2 - c1 - ((c2 - c1) @ axis) * axis
     distance = float(np.linalg.norm(between))
@@ -529,15 +531,12 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
     pressure = math.atan(math.tan(normal) / math.cos(helix))
     module = 2 * distance * math.cos(helix) / abs(z1 + z2)
     if said.module:
-        drawn, module = distance, said.module
+        module = said.module
         nominal = 0.5 * module * abs(z1 + z2) / math.cos(helix)
-        cosine = nominal * math.cos(pressure) / drawn
-        if cosine >= 1.0 or abs(drawn - nominal) > 2.5 * module:  # profiles are shifted by a module and a quarter at most
-            problem = (
-                f"module {1e3 * module:g} mm makes a centre distance of {1e3 * nominal:.6g} mm, and the axes are {1e3 * drawn:.6g} mm apart"
-            )
-            raise _MeshError(problem, "correct module, teeth or pins; without a module it follows from the pins")
-        pressure, helix = math.acos(cosine), math.atan(math.tan(helix) * drawn / nominal)
+        cosine = nominal * math.cos(pressure) / distance
+        if cosine >= 1.0 or abs(distance - nominal) > 2.5 * module:  # profiles are shifted by a module and a quarter at most
+            raise _MeshError(*_wrong_distance(module, nominal, distance))
+        pressure, helix = math.acos(cosine), math.atan(math.tan(helix) * distance / nominal)
     across = cross(axis, along)
     tangential = -(z1 + z2) / distance * across  # of gear 1 on gear 2 where the multiplier of the row is 1
     thrust = 0.0 if said.double_helical else -hand * math.copysign(1.0, r1) * math.tan(helix)
@@ -551,7 +550,8 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
     rubbing = (Rubbing(*bodies, np.zeros(3), size * (frame.rotation.T @ axis), arm, arm),) if arm else ()
     row = _sum((z1, drawing.turn(carrier, bodies[0], axis, "gear 1")), (z2, drawing.turn(carrier, bodies[1], axis, "gear 2")))
     unit = UnitWrench(frame.actInv(point), frame.rotation.T @ force, np.zeros(3), frame.rotation.T @ push)
-    planets = Planets(round(said.planets), bodies[1], frame.actInv(c2), frame.actInv(c1), frame.rotation.T @ axis)
+    planet, pin_of, center = (bodies[0], c1, c2) if first_is_planet else (bodies[1], c2, c1)
+    planets = Planets(round(said.planets), planet, frame.actInv(pin_of), frame.actInv(center), frame.rotation.T @ axis)
     contact = Contact(said.name, "gears", -1, *bodies, carrier, unit, rubbing, planets)
     mesh = Gears(
         *_common(drawing, said.name, "gears", links, carrier, said.carrier, -z1 / z2, point, own, (axis, axis), (c1, c2)),
@@ -596,47 +596,48 @@ def _common(
 def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) -> Iterator[Placed]:
     """The elements, each mesh of a planet with the number of planets that stands at the planet's other mesh."""
     for said, each in zip(elements, places, strict=True):
-        if isinstance(each.mesh, Gears):
-            others = [its.mesh for its in places if _on_one_planet(each.mesh, its.mesh)]
-            planets = max(mesh.planets for mesh in (each.mesh, *others) if isinstance(mesh, Gears))
-            if each.mesh.planets not in (1, planets):
-                raise _UnfitError(
-                    said, f"planets is {each.mesh.planets}, and {planets} at the planet's other mesh", "write the same number in both"
-                )
-            drawn = each.contact.planets
-            if drawn is not None:
-                drawn = drawn._replace(number=planets)
-                if any(each.mesh.links[0] in other.links for other in others):  # the first gear is the planet
-                    drawn = drawn._replace(planet=each.contact.first, pin=drawn.center, center=drawn.pin)
-            each = each._replace(mesh=replace(each.mesh, planets=planets), contact=replace(each.contact, planets=drawn))
+        if isinstance(each.mesh, Gears) and each.contact.planets is not None:
+            others = [its for its in places if _on_one_planet(each, its)]
+            number = max(its.mesh.planets for its in (each, *others) if isinstance(its.mesh, Gears))
+            if each.mesh.planets not in (1, number):
+                problem = f"planets is {each.mesh.planets}, and {number} at the planet's other mesh"
+                raise _UnfitError(said, problem, "write the same number in both")
+            drawn = each.contact.planets._replace(number=number)
+            if any(drawn.planet not in (its.contact.first, its.contact.second) for its in others):
+                planet = each.contact.first if drawn.planet == each.contact.second else each.contact.second
+                drawn = drawn._replace(planet=planet, pin=drawn.center, center=drawn.pin)
+            each = each._replace(mesh=replace(each.mesh, planets=number), contact=replace(each.contact, planets=drawn))
         yield each
 
 
-def _on_one_planet(mesh: Mesh, other: Mesh) -> bool:
+def _shared(one: Placed, other: Placed) -> list[tuple[int, int]]:
+    """Places of the bodies that two meshes on one carrier share, in the first and in the second one."""
+    ends = [(each.contact.first, each.contact.second) for each in (one, other)]
+    same = one is not other and one.contact.carrier == other.contact.carrier and {one.mesh.kind, other.mesh.kind} == {"gears"}
+    return [(i, j) for i in (0, 1) for j in (0, 1) if same and ends[0][i] == ends[1][j]]
+
+
+def _on_one_planet(one: Placed, other: Placed) -> bool:
     """Whether two pairs of gears share one, about the axis of whose carrier the two others are."""
-    shared = set(mesh.links) & set(other.links)
-    if mesh is other or len(shared) != 1 or mesh.carrier != other.carrier or not (isinstance(mesh, Gears) and isinstance(other, Gears)):
-        return False
-    (planet,) = shared
-    ends = [each.held[1 - each.links.index(planet)] for each in (mesh, other)]
-    return bool(np.linalg.norm(ends[0] - ends[1]) < 1e-3 * sum(mesh.radii))
+    apart = [float(np.linalg.norm(one.mesh.held[1 - i] - other.mesh.held[1 - j])) for i, j in _shared(one, other)]
+    return len(apart) == 1 and apart[0] < 1e-3 * sum(one.mesh.radii)
 
 
-def _refuse_unfit_teeth(elements: Sequence[MachineElement], meshes: Sequence[Mesh]) -> None:
+def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Placed]) -> None:
     """Raise a fault of a gear that has two modules, or of planets that do not fit."""
-    gears = [(said, mesh) for said, mesh in zip(elements, meshes, strict=True) if isinstance(said, GearMesh) and isinstance(mesh, Gears)]
-    for k, (said, mesh) in enumerate(gears):
-        for other, its in gears[:k]:
-            for shared in set(mesh.links) & set(its.links):
-                i, j = mesh.links.index(shared), its.links.index(shared)
-                same = mesh.teeth[i] == its.teeth[j] and bool(said.module) == bool(other.module)
-                if same and abs(mesh.module - its.module) > 1e-6 * its.module:
-                    problem = f"gear {shared!r} has module {1e3 * mesh.module:.6g} mm, in gear mesh {its.name!r} {1e3 * its.module:.6g} mm"
-                    raise _UnfitError(said, problem, "correct teeth or centre distance: one gear has one module")
-                ring, sun = sorted((mesh.teeth[1 - i], its.teeth[1 - j]))
-                if same and ring < 0 < sun and _on_one_planet(mesh, its) and (sun - ring) % mesh.planets:
-                    problem = f"{mesh.planets} planets do not fit between sun and ring: ({sun} + {-ring})/{mesh.planets} is not whole"
-                    raise _UnfitError(said, problem, "change teeth or planets")
+    pairs = zip(elements, places, strict=True)
+    gears = [(said, each, each.mesh) for said, each in pairs if isinstance(said, GearMesh) and isinstance(each.mesh, Gears)]
+    for (other, its, before), (said, each, mesh) in itertools.combinations(gears, 2):
+        for i, j in _shared(each, its):
+            same = mesh.teeth[i] == before.teeth[j] and bool(said.module) == bool(other.module)
+            if same and abs(mesh.module - before.module) > 1e-6 * before.module:
+                its_own = f"module {1e3 * mesh.module:.6g} mm, in gear mesh {before.name!r} {1e3 * before.module:.6g} mm"
+                remedy = "correct teeth or centre distance: one gear has one module"
+                raise _UnfitError(said, f"gear {mesh.links[i]!r} has {its_own}", remedy)
+            ring, sun = sorted((mesh.teeth[1 - i], before.teeth[1 - j]))
+            if same and ring < 0 < sun and _on_one_planet(each, its) and (sun - ring) % mesh.planets:
+                problem = f"{mesh.planets} planets do not fit between sun and ring: ({sun} + {-ring})/{mesh.planets} is not whole"
+                raise _UnfitError(said, problem, "change teeth or planets")
 
 
 # ------------------------------------------------------------------------------------------------------------- racks, screws, worms
@@ -765,7 +766,7 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
     links = said.worm, said.wheel
     bodies = drawing.body(said.worm), drawing.body(said.wheel)
     at = [drawing.centres(link) for link in links]
-    carrier, (c1, c2), (axis1, axis2), own = _shafts(drawing, links, said.carrier, at, crossed=True)
+    carrier, (c1, c2), (axis1, axis2), own, _ = _shafts(drawing, links, said.carrier, at, crossed=True)
     along = cross(axis1, axis2)
     along *= math.copysign(1.0, (c2 - c1) @ along)
     distance = float((c2 - c1) @ along)
