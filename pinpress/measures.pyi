@@ -1,3 +1,5 @@
+from .dynamics.cams import CamReactions as CamReactions
+from .dynamics.cams import cam as cam
 from .dynamics.driving_energy import PeriodEnergy as PeriodEnergy
 from .dynamics.driving_energy import driving_energy as driving_energy
 from .dynamics.extremes import ExtremeValues as ExtremeValues

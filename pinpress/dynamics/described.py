@@ -28,6 +28,7 @@ from ..linkage.linkage import Linkage
 from ..linkage.planarity import UPRIGHT
 from ..loads.link import LinkLoad
 from .applied_loads import process_work, turning_points
+from .cams import CamReactions, cam
 from .driving_energy import driving_energy
 from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, rounding, torque_without_rounding
 from .harmonics import HarmonicAnalysis, harmonics
@@ -41,7 +42,7 @@ NO_WORK = 1e-8  # share of the largest work, or of that which a flywheel takes u
 def described(reactions: Reactions) -> tuple[Section, ...]:
     """The sections of reactions to a motion; charts have the states on both sides of each step of the load."""
     rounding(reactions)  # which refuses forces that are not finite
-    drawn = drawn_states(reactions)
+    drawn, press = drawn_states(reactions), reactions._press
     along = along_states(reactions, drawn)
     sections = [
         _motion(reactions),
@@ -49,8 +50,9 @@ def described(reactions: Reactions) -> tuple[Section, ...]:
         _process(reactions, drawn, along),
         *_drive(reactions, drawn, along),
         _bearings(reactions, drawn, along),
+        *(cam_section(cam(press, reactions, each.name)) for each in press.contacts if each.kind == "cam"),
         _floor(reactions, drawn, along),
-        Section("Checks", checks(reactions._press, float(reactions.motion.closure_error.max()), reactions)),
+        Section("Checks", checks(press, float(reactions.motion.closure_error.max()), reactions)),
     ]
     return tuple(section for section in sections if section.figures or section.blocks or section.note)
 
@@ -635,6 +637,39 @@ def harmonics_of_shaking(reactions: Reactions) -> Bars | None:
     )
 
 
+# --------------------------------------------------------------------------------------------------------------------------------- cams
+
+
+def cam_section(found: CamReactions) -> Section:
+    """Extremes of a cam, and its lift, pressure angle, contact force and Hertzian pressure over the motion."""
+    along = along_motion(found.motion, found._press)
+    peaks = [
+        ("largest contact force", found.largest_force, "N", "force"),
+        ("least contact force", found.least_force, "N", ""),
+        ("largest Hertzian pressure", found.largest_pressure, "Pa", ""),
+        ("largest pressure angle", found.largest_pressure_angle, "rad", ""),
+        ("least radius of the cam", found.least_radius, "length", ""),
+    ]
+    figures = [
+        Figure(name, value, unit, f"at cam angle {quantity('angle').text(angle)}", kind=kind)
+        for name, (value, angle), unit, kind in peaks
+        if math.isfinite(value)
+    ]
+    if found.lift_off_speed is not None:
+        figures.append(
+            Figure("the roller leaves the cam", found.lift_off_speed, "rad/s", "the speed at which the least contact force is 0")
+        )
+    charts = [
+        chart(f"lift {found.name}", "Lift of the follower", "rad" if found.arm else "height", along, {"lift": found.lift}),
+        chart(f"pressure angle {found.name}", "Pressure angle", "rad", along, {"pressure angle": found.pressure_angle}),
+        chart(f"contact force {found.name}", "Contact force", "N", along, {"contact force": found.force}),
+        chart(f"pressure {found.name}", "Hertzian pressure", "Pa", along, {"pressure": found.pressure}),
+    ]
+    held = found.grooved or found.least_force[0] >= 0.0
+    note = "" if held else "The least contact force is below 0: the roller leaves the cam, and the forces are not those of the press."
+    return Section(f"Cam {found.name}", figures, charts, note=note, press=found._press, of="cam")
+
+
 # ------------------------------------------------------------------------------------------------------------------------------- checks
 
 
@@ -663,5 +698,8 @@ def _clean(vector: Array, least: float) -> Array:
     return np.where(np.abs(vector).max(axis=0) > least, vector, 0.0)
 
 
-SECTIONS = {Reactions: lambda reactions, page: described(reactions)}
+SECTIONS = {
+    Reactions: lambda reactions, page: described(reactions),
+    CamReactions: lambda found, page: (cam_section(found),),
+}
 """How results of this room are described."""
