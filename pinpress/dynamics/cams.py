@@ -22,7 +22,7 @@ from .peaks import peak_states
 from .reactions import Reactions
 
 MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]
-CONVERGED, MOST_STEPS = 1e-11, 20  # relative change of the speed of lift-off that is rounding, and number of speeds that are tried
+CONVERGED, MOST_STEPS = 1e-9, 20  # relative change of the speed of lift-off that is rounding, and number of speeds that are tried
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -183,8 +183,8 @@ class Reactions(Tabular):
     @property
     def mesh(self) -> Mapping[str, ToothForces]:
         """Tangential, radial and axial forces (n,) of the first on the second link, and the power lost in the teeth, by the names of the
-        machine elements that were asked for; see `ToothForces`."""
-        asked = [contact for contact in self._press.contacts if contact.name in self.bearing_force]
+        machine elements except cams that were asked for; see `ToothForces`."""
+        asked = [each for each in self._press.contacts if each.name in self.bearing_force and each.kind != "cam"]
         found = ((c.name, self.bearing_force[c.name], self.friction_power[c.name], c) for c in asked)
         return FrozenMapping({name: tooth_forces(self._press, self.motion, c, force, power) for name, force, power, c in found})
 

@@ -1,0 +1,210 @@
+"""Cams under load: printed values of an independent script, balances of single bodies, engines, peaks at corners, and lift-off."""
+
+import copy
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+from support import cams
+
+import pinpress as pp
+from pinpress.loads import PointForce, PointMoment, SpringDamper
+
+SPEED = 12.0
+SPRING = SpringDamper("frame", "ejector", 20e3, 0.0, 0.26, (0.01, 0.0, 0.22 + np.sqrt(0.0063)), (0.0, 0.0, 0.0))  # preloaded by 800 N
+LOAD = PointForce("ejector", (0.0, 0.0, -3000.0))
+
+
+def ejector(law):
+    """The ejector of the printed values, which returns as it rises."""
+    table = copy.deepcopy(cams.EJECTOR)
+    table["cams"]["eject"]["law"] = [[0, 0], {law: [90, 40]}, [180, 40], {law: [290, 0]}]
+    return pp.build(**table)
+
+
+@pytest.mark.parametrize(
+    ("law", "angle", "lift", "pressure_angle", "force", "torque", "radius"),
+    [
+        ("3-4-5", 20, 3.0564446477, 8.8413955664, 4496.0388812, 101.3878918, -1298.006981),
+        ("3-4-5", 45, 20, 20.799191955, 4755.139165, 212.24505323, 91.67776254),
+        ("3-4-5", 70, 36.943555352, 6.290389654, 4474.8262569, 101.50815665, 64.4847066),
+        ("sine", 45, 20, 22.385793035, 4807.5441485, 226.39472345, 91.04082045),
+        ("modified sine", 70, 36.459358628, 7.1413959172, 4513.2167759, 109.77253414, 67.65340104),
+    ],
+)
+def test_ejector(law, angle, lift, pressure_angle, force, torque, radius):
+    press = ejector(law)
+    motion = pp.cycle(press, SPEED, points=72)
+    k = angle // 5
+    found = pp.measures.cam(press, pp.inverse_dynamics(press, motion, [SPRING, LOAD]), "eject")
+    values = 1e3 * found.lift[k], np.degrees(found.pressure_angle[k]), found.force[k], found.cam_torque[k], 1e3 * found.pitch_radius[k]
+    assert values == pytest.approx([lift, pressure_angle, force, torque, radius], rel=2e-10)
+    for engine in ("space", "pinocchio"):
+        reactions = pp.inverse_dynamics(press, motion, [SPRING, LOAD], engine=engine)
+        assert np.linalg.norm(reactions.bearing_force["eject"][k]) == pytest.approx(force, rel=1e-10)
+        assert reactions.driving_torque[k] == pytest.approx(torque, rel=1e-9)
+        side = found.effort * np.tan(found.pressure_angle)
+        np.testing.assert_allclose(reactions.bearing_force["ejector_guide"], np.stack([side, 0 * side, 0 * side], axis=1), atol=1e-9)
+        assert reactions.power_residual.max() < 1e-14
+
+
+@pytest.mark.parametrize(("law", "speed"), [("3-4-5", 27.64205203), ("sine", 26.34666271), ("modified sine", 28.55680494)])
+def test_speed_of_lift_off(law, speed):
+    """The printed speeds are those of the rise alone; from whatever speed one asks, and the least force is 0 there."""
+    table = copy.deepcopy(cams.EJECTOR)
+    table["cams"]["eject"]["law"] = [[0, 0], {law: [90, 40]}, [180, 40], {"3-4-5": [359, 0]}]  # too slow a return to lift off
+    press = pp.build(**table)
+    for asked in (SPEED, 30.0):
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, asked, points=180), [SPRING])
+        assert pp.measures.cam(press, reactions, "eject").lift_off_speed == pytest.approx(speed, abs=6e-9)
+    at_lift_off = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, speed, points=180), [SPRING]), "eject")
+    assert at_lift_off.least_force[0] == pytest.approx(0.0, abs=1e-5)
+
+
+def test_lift_off_with_a_load_that_grows_with_the_speed():
+    """A damper that only opposes the return; the speed is confirmed by the least force at this speed."""
+    press = ejector("3-4-5")
+    damped = [dataclasses.replace(SPRING, damping=400.0)]
+    speed = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180), damped), "eject").lift_off_speed
+    again = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, speed, points=180), damped), "eject")
+    assert abs(again.least_force[0]) < 1e-6 * again.largest_force[0]
+
+
+def test_what_no_speed_lifts_off():
+    press, holder = ejector("3-4-5"), cams.press("drawing_press")
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=72), [PointForce("ejector", (0.0, 0.0, 1000.0))])
+    assert pp.measures.cam(press, reactions, "eject").lift_off_speed == 0.0  # it is lifted at rest
+    uneven = pp.servo_cycle(press, np.linspace(0.0, 6.0, 72), speed=np.linspace(1.0, 2.0, 72), acceleration=np.zeros(72))
+    assert pp.measures.cam(press, pp.inverse_dynamics(press, uneven), "eject").lift_off_speed is None
+    groove = pp.measures.cam(holder, pp.inverse_dynamics(holder, pp.cycle(holder, SPEED, points=72)), "hold")
+    assert groove.grooved
+    assert groove.lift_off_speed is None
+
+
+@pytest.mark.parametrize(
+    ("angle", "slope", "pressure_angle", "force", "torque"),
+    [
+        (30, 0.19845, 10.31796551, 2354.47520182, 55.1627688),
+        (50, 0.28125, 19.64137159, 1769.63277153, 56.25),
+        (80, 0.1152, 12.12086348, 945.18451165, 12.77494315),
+    ],
+)
+def test_feeder(angle, slope, pressure_angle, force, torque):
+    """0.8 kg m2 at 15 rad/s against 200 N m; the arm turns clockwise as it rises, against its own axis."""
+    press = cams.press("feeder")
+    motion = pp.cycle(press, 15.0, points=36)
+    k, arm = angle // 10, press.joints.index("B")
+    against = PointMoment("arm", 200.0)
+    assert motion.v[k, arm] == pytest.approx(-slope * 15.0, rel=1e-12)
+    found = pp.measures.cam(press, pp.inverse_dynamics(press, motion, [against]), "feed")
+    assert (np.degrees(found.pressure_angle[k]), found.cam_torque[k]) == pytest.approx((pressure_angle, torque), rel=2e-9)
+    for engine in ("space", "pinocchio"):
+        reactions = pp.inverse_dynamics(press, motion, [against], engine=engine)
+        assert np.linalg.norm(reactions.bearing_force["feed"][k]) == pytest.approx(force, rel=2e-9)
+        assert reactions.driving_torque[k] == pytest.approx(torque, rel=2e-9)
+
+
+def test_forces_balance_on_every_body():
+    """Blank holder beside a crank-slide, in maximal coordinates: the cam's force, moved to the centres of mass, balances both bodies."""
+    press = cams.press("drawing_press")
+    motion = pp.cycle(press, SPEED, points=90)
+    reactions = pp.inverse_dynamics(press, motion, [PointForce("holder", (30.0, 0.0, -2000.0))])
+    holder, push = press.joints.index("holder_guide"), reactions.bearing_force["hold"]
+    up = -motion.a[:, holder]
+    total = push + reactions.bearing_force["holder_guide"] + [30.0, 0.0, -2000.0 - 60.0 * 9.81]
+    np.testing.assert_allclose(total, 60.0 * np.stack([0 * up, 0 * up, up], axis=1), atol=1e-9)
+    crank = reactions.bearing_force["O"] - push - reactions.bearing_force["P"]
+    contact = press.contacts[0].wrench(motion.joint_position.T)
+    lever = np.cross(contact.point, -push) + np.cross(pp.measures.bearing_positions(press, motion)["P"], -reactions.bearing_force["P"])
+    angle = motion.crank_angle  # the centre of mass of the crank is in the middle of O and P
+    centre = 0.05 * np.stack([np.sin(angle), 0 * angle, -np.cos(angle)], axis=1)
+    np.testing.assert_allclose(crank + [0.0, 0.0, -30.0 * 9.81], -(SPEED**2) * 30.0 * centre, atol=1e-8)
+    moment = reactions.bearing_moment["O"] + lever + np.cross(centre, [0.0, 0.0, -30.0 * 9.81])
+    np.testing.assert_allclose(moment, 0.0, atol=1e-8)
+    assert (pp.measures.cam(press, reactions, "hold").force < 0.0).any()  # which the groove takes
+
+
+def test_hertz():
+    """5 kN, radius 20 on 60 mm, 30 mm wide, steel."""
+    press = cams.press("ejector")
+    table = copy.deepcopy(cams.EJECTOR)
+    table["cams"]["eject"] |= {"offset": 0, "law": [[0, 0], [180, 0]]}
+    table["pins"]["E"] = [0, 80]
+    press = pp.build(**table)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 1.0, points=8), [PointForce("ejector", (0.0, 0.0, -5000.0 + 25 * 9.81))])
+    found = pp.measures.cam(press, reactions, "eject")
+    np.testing.assert_allclose(found.pressure, 638.81890835e6, rtol=1e-11)
+    np.testing.assert_allclose(found.surface_radius, 0.06, rtol=1e-12)
+    assert found.least_radius[0] == pytest.approx(0.06, rel=1e-12)
+
+
+def test_hertz_in_a_groove():
+    """A roller that is pulled touches the outer flank, which is hollow there: 1/20 - 1/100 mm."""
+    table = copy.deepcopy(cams.EJECTOR)
+    table["cams"]["eject"] |= {"offset": 0, "kind": "groove", "law": [[0, 0], [180, 0]]}
+    table["pins"]["E"] = [0, 80]
+    press = pp.build(**table)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 1.0, points=8), [PointForce("ejector", (0.0, 0.0, 5000.0 + 25 * 9.81))])
+    pressure = pp.measures.cam(press, reactions, "eject").pressure
+    np.testing.assert_allclose(pressure, np.sqrt(5000.0 * 2.1e11 * 40.0 / (2 * np.pi * 0.91 * 0.03)), rtol=1e-12)
+
+
+def test_peaks_do_not_depend_on_the_states():
+    """The acceleration of the trapezoid jumps at corners between the states: both limits are found, and smooth peaks as well."""
+    press = ejector("trapezoid")
+    found = []
+    for points in (36, 97, 360):
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, 40.0, points=points), [SPRING])
+        cam = pp.measures.cam(press, reactions, "eject")
+        guide = next(each for each in pp.measures.extremes(reactions) if each.quantity == "force in ejector_guide, x")
+        found.append([*cam.largest_force, cam.least_force[0], cam.largest_pressure[0], guide.largest, guide.smallest])
+    np.testing.assert_allclose(found[:2], found[2:] * 2, rtol=1e-8)  # of the smooth peaks of the guide; those at corners have all digits
+    rise = 25.0 * (4.5 * 0.04 / (np.pi / 2) ** 2 * 40.0**2 + 9.81) + 800.0
+    at_corner = rise + 20e3 * 0.04 / 4  # a quarter of the lift after a third of the way
+    cosine = (np.sqrt(0.0063) + 0.01) / np.hypot(np.sqrt(0.0063) + 0.01, 1.5 * 0.04 / (np.pi / 2) - 0.01)
+    assert found[0][0] == pytest.approx(at_corner / cosine, rel=1e-9)
+
+
+def test_drawn_elsewhere():
+    """A press drawn at another crank angle has the same forces in the world."""
+    press = cams.press("drawing_press")
+    again = press.drawn_at(0.7)
+    one, other = (
+        pp.inverse_dynamics(each, pp.servo_cycle(each, angle, speed=3.0, acceleration=0.0))
+        for each, angle in ((press, [1.2]), (again, [0.5]))
+    )
+    for name, force in one.bearing_force.items():
+        np.testing.assert_allclose(other.bearing_force[name], force, atol=1e-8)
+    found = [pp.measures.cam(*each, "hold") for each in ((press, one), (again, other))]
+    assert found[0].lift[0] == pytest.approx(found[1].lift[0], abs=1e-15)
+    assert found[0].angle[0] == pytest.approx(found[1].angle[0], abs=1e-12)
+
+
+def test_clockwise():
+    """With all turns reversed, a negative speed gives the forces of the positive one; the offset is on the same side of the picture."""
+    clockwise = pp.build(**copy.deepcopy(cams.EJECTOR) | {"turns": "clockwise", "pins": {"O": [0, 0], "E": [-10, "sqrt(80**2 - 10**2)"]}})
+    press = cams.press("ejector")
+    one, other = (pp.inverse_dynamics(each, pp.cycle(each, SPEED, points=36)) for each in (press, clockwise))
+    mirrored = one.bearing_force["eject"] * [-1.0, 1.0, 1.0]
+    np.testing.assert_allclose(other.bearing_force["eject"], mirrored, atol=1e-9)
+    np.testing.assert_allclose(other.driving_torque, one.driving_torque, atol=1e-9)
+
+
+def test_result_is_read_only_and_can_be_sent():
+    press = cams.press("ejector")
+    found = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36)), "eject")
+    again = pickle.loads(pickle.dumps(found))
+    assert again.least_force == found.least_force
+    assert not again.force.flags.writeable
+    assert {"lift [m]", "force [N]", "pressure [Pa]"} <= set(found.columns())
+    assert "the roller leaves the cam" in str(found)
+
+
+def test_refused_cams():
+    press, other = cams.press("ejector"), cams.press("feeder")
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36))
+    with pytest.raises(pp.PinpressError, match="no cam 'ejekt', did you mean 'eject'"):
+        pp.measures.cam(press, reactions, "ejekt")
+    with pytest.raises(pp.PinpressError, match="the reactions are of ejector: give reactions of feeder"):
+        pp.measures.cam(other, reactions, "feed")
