@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,11 +27,17 @@ class _Piece:
     frequency: float = 0.0
     phase: float = 0.0
 
+    @cached_property
+    def _polynomials(self) -> tuple[np.polynomial.Polynomial, ...]:
+        """Position, speed and acceleration."""
+        acceleration = np.polynomial.Polynomial(self.polynomial)
+        return acceleration.integ(2), acceleration.integ(), acceleration
+
     def gains(self, time: Array) -> tuple[Array, Array, Array]:
         """Changes of position (from rest) and of speed since the start of the piece, and the acceleration, at times since this start."""
         if not self.frequency:
-            polynomial = np.polynomial.Polynomial(self.polynomial)
-            return polynomial.integ(2)(time), polynomial.integ()(time), polynomial(time)
+            position, speed, acceleration = (polynomial(time) for polynomial in self._polynomials)
+            return position, speed, acceleration
         angle, rate, first = self.frequency * time + self.phase, 1 / self.frequency, math.cos(self.phase)
         position = rate * (first * time - rate * (np.sin(angle) - math.sin(self.phase)))
         return position, rate * (first - np.cos(angle)), np.sin(angle)

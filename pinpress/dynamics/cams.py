@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,8 @@ from .peaks import peak_states
 from .reactions import Reactions
 
 MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]
-CONVERGED, MOST_STEPS = 1e-9, 20  # relative change of the speed of lift-off that is rounding, and number of speeds that are tried
+AT_REST = 1e-4  # share of a speed at which inertia forces have gone, and loads still know the way
+CONVERGED, MOST_STEPS = 1e-9, 60  # relative change of the speed of lift-off that is rounding, and number of speeds that are tried
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -188,34 +190,36 @@ def _extreme(states: _States, values: Array, choose: Callable[[Array], np.intp])
 def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
     """The speed of the driver at which the least effort on the follower is 0.
 
-    Inertia forces grow with the square of the speed. So two speeds tell the whole if no load depends on the speed; with other loads, the
-    line through two speeds is drawn again from where the last one has led.
+    Inertia forces grow with the square of the speed, so that one other speed tells the whole. Where loads change with the speed, the line
+    over the square of the speed is drawn again at the speed to which it has led.
     """
     motion, press = reactions.motion, reactions._press
     if len(press.drivers) > 1 or not is_constant(motion.crank_speed) or not motion.crank_speed.any():
         return None
+
+    def at_rest_and_need(each: Reactions, share: float) -> tuple[Array, Array]:
+        """Efforts at rest, and the inverse square of the share of the speed that takes each of them away."""
+        trials = (in_other_states(each, _at_other_speed(press, each.motion, part)) for part in (AT_REST, share))
+        rest, fast = (_effort(contact, trial) for trial in trials)
+        return rest, (rest - fast) / (share**2 * np.where(rest > 0.0, rest, 1.0))
+
     share = 1.0
     for _ in range(MOST_STEPS):
-
-        def at_rest_and_need(each: Reactions, share: float = share) -> Iterator[Array]:
-            fast, slow = (
-                _effort(contact, in_other_states(each, _at_other_speed(press, each.motion, speed))) for speed in (share, 0.5 * share)
-            )
-            by_square = (fast - slow) / (0.75 * share**2)
-            at_rest = fast - share**2 * by_square
-            yield from (at_rest, -by_square / np.where(at_rest > 0.0, at_rest, 1.0))
-
-        at_rest, need = at_rest_and_need(peak_states(reactions, at_rest_and_need).reactions)
-        if at_rest.min() <= 0.0:
-            return 0.0
-        if need.max() <= 0.0:
-            return None
-        before, share = share, float(need.max() ** -0.5)
-        if abs(share - before) <= CONVERGED * share:
-            return share * float(abs(motion.crank_speed[0]))
-    raise PinpressError(
-        f"the speed at which the roller of {contact.name} leaves the cam is not found: loads change too much with the speed"
-    )
+        found = peak_states(reactions, partial(at_rest_and_need, share=share)).reactions
+        for step in range(MOST_STEPS):
+            rest, need = at_rest_and_need(found, share)
+            if rest.min() <= 0.0:
+                return 0.0
+            if need.max() <= 0.0:
+                return None
+            led_to, share = share, float(need.max() ** -0.5)
+            if abs(share - led_to) > CONVERGED * share:
+                continue
+            if step <= 1:  # no load changes with the speed, or the peaks are those at this speed already
+                return share * float(abs(motion.crank_speed[0]))
+            break
+    problem = f"the speed at which the roller of {contact.name} leaves the cam is not found"
+    raise PinpressError(f"{problem}: give loads that change less with the speed")
 
 
 def _at_other_speed(press: Linkage, motion: Motion, share: float) -> Motion:

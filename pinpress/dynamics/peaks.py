@@ -29,6 +29,7 @@ from .reactions import Reactions
 
 SIDE = 1e-8
 """Distance of a state from a jump, as a share of a step. In steps of half a degree this is 1e-10 rad, 100 times what counts as rest."""
+MOST_STEPS = 20  # of Newton's method to a corner of a cam, which takes three or four
 
 
 class PeakStates(NamedTuple):
@@ -184,23 +185,30 @@ def _corners(reactions: Reactions, path: _Path) -> Array:
     """Times (m,) at which acceleration or jerk of the follower of a cam may jump [s]."""
     press, times = reactions._press, [np.zeros(0)]
     for cam in (contact for contact in press.contacts if isinstance(contact, CamContact)):
-        joint, states = cam.curve.joint, path.times[: len(reactions.motion.crank_angle)]
+        states = path.times[: len(reactions.motion.crank_angle)]
         beyond = cam.angle(reactions.motion.joint_position.T) - cam.law.corners[:, None]
         if path.closed:
             states, beyond = np.append(states, path.times[-1]), np.column_stack([beyond, beyond[:, 0]])
         before = np.signbit(np.sin(beyond))
         which, k = np.nonzero((before[:, :-1] != before[:, 1:]) & (np.cos(beyond[:, :-1]) > 0.0))
-        corners = cam.law.corners[which]
-
-        def past(times: Array, cam: CamContact = cam, joint: int = joint, corners: Array = corners) -> tuple[Array, Array]:
-            order = np.argsort(times)
-            motion, back = path.at(times[order]), np.argsort(order)
-            angle = cam.angle(motion.joint_position.T)[back] - corners
-            return np.sin(angle), np.cos(angle) * motion.v[back, joint]
-
         if len(k):
-            times.append(bracketed_roots(past, states[k], states[k + 1], absolute=1e-6 * SIDE * path.step))
+            times.append(_passed(path, cam, cam.law.corners[which], states[k], states[k + 1]))
     return np.unique(path.inside(np.concatenate(times)))
+
+
+def _passed(path: _Path, cam: CamContact, angles: Array, low: Array, high: Array) -> Array:
+    """Times (m,) between low and high ones at which a cam passes angles of its law, by Newton's method [s]. It may be at the ends."""
+    time = 0.5 * (low + high)
+    for _ in range(MOST_STEPS):
+        order = np.argsort(time)
+        motion, back = path.at(time[order]), np.argsort(order)
+        beyond = cam.angle(motion.joint_position.T)[back] - angles
+        with np.errstate(all="ignore"):
+            step = np.tan(beyond) / motion.v[back, cam.curve.joint]  # which is the same a turn further
+        last, time = time, np.clip(np.where(beyond == 0.0, time, time - step), low, high)
+        if np.all(np.abs(time - last) <= 1e-6 * SIDE * path.step):
+            break
+    return time
 
 
 AlongMotion = Callable[[Motion], tuple[Array, Array]]

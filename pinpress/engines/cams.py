@@ -66,9 +66,7 @@ class CamLaw:
         turned = first + (angle - first) % TURN
         piece = (np.searchsorted(self._knots, turned, side="right") - 1).clip(0, len(self._knots) - 2)
         since = turned - self._knots[piece]
-        polynomials = self._polynomials[:, piece]
-        derivatives = (np.asarray(np.polynomial.polynomial.polyder(polynomials, order), dtype=float) for order in range(3))
-        values = np.array([polynomial_values(each, since) for each in derivatives])
+        values = np.array([polynomial_values(each[:, piece], since) for each in self._derivatives])
         for k, (law, width, rise) in self._laws.items():
             inside = piece == k
             if inside.any():
@@ -91,6 +89,11 @@ class CamLaw:
         """Indices of the pieces that follow a motion law: the law, the width of the piece [rad] and its rise."""
         pieces = enumerate(itertools.pairwise(closed(self.points)))
         return {k: (vdi_law(end.law), end.angle - start.angle, end.lift - start.lift) for k, (start, end) in pieces if end.law}
+
+    @cached_property
+    def _derivatives(self) -> tuple[Array, ...]:
+        """(6, k), (5, k) and (4, k) coefficients of all pieces, and those of their first and second derivatives."""
+        return tuple(np.asarray(np.polynomial.polynomial.polyder(self._polynomials, order), dtype=float) for order in range(3))
 
     @cached_property
     def _polynomials(self) -> Array:
