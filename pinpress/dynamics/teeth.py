@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..common.quantities import Array
+from ..common.results import Tabular
 from ..engines.contacts import Contact
 from ..kinematics.motion import Motion
 from ..kinematics.poses import rotation_of
 from ..linkage.linkage import Linkage
 
 
-class ToothForces(NamedTuple):
-    """Forces (n,) of the first on the second body of a machine element.
+@dataclass(frozen=True, eq=False, repr=False)
+class ToothForces(Tabular):
+    """Forces (n,) of the first on the second link of a machine element.
 
     Attributes:
         tangential: across the axis of the gear and the line of centres; its sign is that of the effort of the relation [N].
@@ -27,6 +29,16 @@ class ToothForces(NamedTuple):
     radial: Array
     axial: Array
     power: Array
+
+    @property
+    def title(self) -> str:
+        largest = (np.abs(each).max(initial=0.0) for each in (self.tangential, self.radial, self.axial))
+        return "ToothForces up to {:.6g} N tangential, {:.6g} N radial, {:.6g} N axial".format(*largest)
+
+    def columns(self) -> dict[str, Array]:
+        """The forces and the power as columns under their names with units."""
+        forces = {"tangential [N]": self.tangential, "radial [N]": self.radial, "axial [N]": self.axial}
+        return forces | {"power_lost [W]": self.power}
 
 
 def tooth_forces(press: Linkage, motion: Motion, contact: Contact, force: Array, power: Array) -> ToothForces:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from support import hammer_hits, texts
+from support.generators.machine_elements import meshing
 from support.sweep_points import fails_at_odd
 
 import pinpress as pp
@@ -114,6 +115,12 @@ def motion():
 def guided():
     guide = pp.elasticity.eight_way_guide(facing_x=(0.3, 0.2), facing_y=(0.2, 0.3), length=0.5, width=0.1, stiffness=1e9, clearance=1e-5)
     return pp.elasticity.guide_contact(press(), reactions(), guide, offset=(0.05, 0.02, 0.0))
+
+
+def geared():
+    """Reactions of a press with teeth."""
+    teeth = pp.build(**meshing(efficiency=0.98))
+    return pp.inverse_dynamics(teeth, pp.servo_cycle(teeth, angle=[0.0, -1.0, -2.0], speed=[-5.0] * 3, acceleration=[0.0] * 3))
 
 
 @cache
@@ -455,7 +462,12 @@ def made():
             *pp.measures.grashof(press()),
         ),
         *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion()), motor_energy()),
-        *(pp.measures.driving_energy(reactions()), pp.measures.harmonics(motion(), motion().v), pp.measures.extremes(reactions())[0]),
+        *(
+            geared().mesh["teeth"],
+            pp.measures.driving_energy(reactions()),
+            pp.measures.harmonics(motion(), motion().v),
+            pp.measures.extremes(reactions())[0],
+        ),
         *(balance(), *balance().changes, *balance().active, *balance().counterweights, trade_off(), compared_conditions()),
         pp.synthesis.trade_off(press(), first=shortest, second=long_stroke, designs=2, **CRANK_LENGTH),
         *(synthesis(), synthesis().table()[0], *held().active, *TRIALS[:1]),
