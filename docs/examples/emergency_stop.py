@@ -13,47 +13,22 @@ friction, left out too, makes it shorter. What decides is the stopping time that
 standard that applies to it demands.
 """
 
-import matplotlib.pyplot as plt
 import numpy as np
-from scipy.optimize import bisect, minimize_scalar
 
 import pinpress as pp
 
-press, speed, ends = pp.load("zxn2_3000b"), 50 * pp.RPM, pp.dead_centres(pp.load("zxn2_3000b"))
-states = pp.cycle(press, speed=1e-3, points=3600)  # so slow that only the weight acts
-weight, angles = pp.inverse_dynamics(press, states).driving_torque, np.degrees(states.crank_angle)
+press = pp.load("zxn2_3000b")
+for torque in (25e3, 32e3):  # N m
+    stops = pp.ratings.stopping(press, 50 * pp.RPM, torque, delay=0.030, rise=0.050, control=0.010, device=0.020)  # s
+    for springs, case in stops.cases.items():
+        name = f"{torque / 1e3:.0f} kN m, {springs}"
+        for low, high, way in case.slips:
+            print(f"{name}: does not hold from {np.degrees(low):.0f} to {np.degrees(high):.0f} deg, where it {way}")
+        if case.worst is not None:
+            print(f"{name}: holds; stands {1e3 * case.worst.time:.1f} ms after a signal at {np.degrees(case.worst.signal):.1f} deg")
 
+for resolution in (0.014, 0.030):  # m, of the curtain
+    distance = stops.distance("ISO 13855:2010", resolution=resolution).distance
+    print(f"S before what is left out: {1e3 * distance:.0f} mm ({1e3 * resolution:.0f} mm)")
 
-def stopping_time(signal, torque):
-    """Time [s] from the signal at a crank angle [deg] to standstill, with a brake that holds."""
-    brake = pp.drives.Brake(torque, closes=pp.drives.SwitchPoint(time=0.030), rise=0.050)  # N m, s
-    path = pp.simulate(press, 3.0, speed=speed, angle=np.radians(signal), brake=brake).trajectory
-    return bisect(lambda time: float(path.at(np.array([time])).speed[0, 0] > 1e-9) - 0.5, 0.0, 3.0)
-
-
-def formula(time, resolution):
-    """S [mm], resolution up to 40 mm; as the manuals SICK 8012624 and Rockwell 450L-UM001 print it, with an example."""
-    reach = 8 * max(resolution - 14, 0)  # mm
-    near = max(2000 * time + reach, 100)  # mm/s of a hand
-    return near if near <= 500 else max(1600 * time + reach, 500)
-
-
-figure, axes = plt.subplots(figsize=(6.3, 2.8), layout="constrained")
-for full in (25e3, 32e3):
-    for springs, torque in {"all springs": full, "half of the springs": full / 2}.items():
-        name = f"{full / 1e3:.0f} kN m, {springs}"
-        edges = angles[np.flatnonzero(np.diff(np.abs(weight) > torque))]
-        if edges.size:
-            print(f"{name}: does not hold from", ", ".join(f"{a:.0f} to {b:.0f} deg" for a, b in edges.reshape(-1, 2)))
-            continue
-        signals = np.linspace(*np.degrees([ends.top_angle, ends.bottom_angle]), 31)
-        times = [stopping_time(signal, torque) for signal in signals]
-        near = np.clip(np.argmax(times) + np.array([-1, 1]), 0, 30)
-        worst = minimize_scalar(lambda signal, torque=torque: -stopping_time(signal, torque), bounds=signals[near], method="bounded")
-        print(f"{name}: holds; stands {-1e3 * worst.fun:.1f} ms after a signal at {worst.x:.1f} deg")
-        if full / 2 > np.abs(weight).max():  # else half of the springs do not hold: no curtain helps
-            late = -worst.fun + 0.020 + 0.010  # s, responses of curtain and control, both assumed
-            print(f"  S before what is left out: {formula(late, 14):.0f} mm (resolution 14 mm), {formula(late, 30):.0f} mm (30 mm)")
-        axes.plot(signals, 1e3 * np.array(times), label=name)
-axes.set(xlabel="crank angle at the signal [deg]", ylabel="time to standstill [ms]", ylim=(0, None))
-axes.legend()
+figure = pp.plots.draw(stops, "time")

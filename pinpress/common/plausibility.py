@@ -130,7 +130,7 @@ def idle_speed(name: str, speed: float, slide: tuple[float, float], at_half: tup
 def flywheel(inertia: float, mass: float, size: float) -> None:
     """Warn of a flywheel's moment of inertia [kg m2] on a linkage of that ``mass`` [kg] and ``size`` [m]."""
     # No flywheel has as large a moment of inertia as ten thousand linkages; a million times larger, it is meant to hold the speed.
-    if 1e4 < inertia / (mass * size**2) < 1e6:
+    if 1e4 * mass * size**2 < inertia < 1e6 * mass * size**2:
         beside = f"beside a linkage of {mass:.4g} kg and {size:.3g} m"
         caution(f"Flywheel: inertia is {inertia:g} kg m2, {beside}: if kg mm2 are meant, write {1e-6 * inertia:g}")
 

@@ -27,6 +27,7 @@ from ..common.reading.filling import (
     Whole,
 )
 from ..foundation.frame_file import MOUNTED, ON_MOUNTS, USUAL_WORDS
+from ..ratings.safety_distance import EDITIONS
 from ..simulation.simulate import METHODS
 from ..visual.languages import LANGUAGES
 from .kinds import (
@@ -302,6 +303,25 @@ SECTIONS: Mapping[str, Section] = {
         ),
         "What the press may bear; with at_speed beside weights and inertia forces. Those of bearings stand with the bearings.",
         "capacities: {nominal_force: 3000 kN, nominal_height: 13 mm, speed_drop: 15 %}",
+        by_keys=True,
+    ),
+    "stopping": Section(
+        keys(
+            "{delay: 30 ms, control: 10 ms, device: 20 ms, edition: ISO 13855:2010, resolution: 14 mm}",
+            {
+                "delay": Number("s"),
+                "control": Number("s"),
+                "device": Number("s"),
+                "monitor": Number("s"),
+                "inertia": Number("kg m2"),
+                "edition": Text(tuple(EDITIONS)),
+                **{name: Number("m") for name in ("resolution", "reach", "supplement")},
+                "two_hand": Truth(),
+            },
+            ("delay",),
+        ),
+        "How far the press runs on after a signal, under its brake, and the safety distance by the formula of an edition.",
+        "stopping: {delay: 30 ms, control: 10 ms, device: 20 ms, edition: ISO 13855:2010, resolution: 14 mm}",
         by_keys=True,
     ),
     "elastic": Section(

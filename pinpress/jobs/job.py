@@ -34,8 +34,10 @@ from ..loads.link import Friction, Load, StandingLoad
 from ..loads.mounts import Frame
 from ..pin_table.building import DrawnPress
 from ..ratings.along_motion import MotionRatings, rate_motion
+from ..ratings.emergency_stops import StoppingTimes, stopping
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
+from ..ratings.safety_distance import SafetyDistance
 from ..simulation.elastic.description import Elastic, Stiffness
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
 
 POINTS = 720  # states of a turn: fewer miss peaks of short blows
 MOST_STATES = 100_000  # of a period, for the vibration of the frame
+OF_DISTANCE = ("edition", "resolution", "two_hand", "reach", "supplement")  # keys of the section stopping
 SPEEDS = 61  # at which the press on its mounts is shown
 
 
@@ -435,6 +438,31 @@ class Job(Frozen):
             self.press, self.speed, self.capacities, at_speed=at_speed, loads=beside if at_speed else [], friction=self.friction, **more
         )
 
+    def stopping(self) -> StoppingTimes:
+        """The stops under the brake after a signal at any crank angle, with the loads that always act, such as balance cylinders."""
+        return self._stopping
+
+    @cached_property
+    def _stopping(self) -> StoppingTimes:
+        given, brake = dict(self.need("stopping")), self.brake
+        if brake is None:
+            self._refuse("stopping", "the job has no brake", "write brake: {torque: 25 kN m, rise: 50 ms}")
+        if self.speed is None:
+            raise PinpressError(f"{self.source.file}: a stop begins at a speed; write speed: 50 r/min")
+        for name in OF_DISTANCE:
+            given.pop(name, None)
+        beside = [load for load in self.loads.values() if isinstance(load, StandingLoad)]
+        with self._naming("stopping"):
+            return stopping(self.press, self.speed, brake.torque, rise=brake.rise, loads=beside, **given)
+
+    def safety_distance(self) -> SafetyDistance:
+        """The safety distance by the edition in the section ``stopping``."""
+        given = self.need("stopping")
+        if "edition" not in given:
+            self._refuse("stopping", "it has no edition", "write edition: ISO 13855:2010")
+        with self._naming("stopping"):
+            return self.stopping().distance(**{name: given[name] for name in OF_DISTANCE if name in given})
+
     def balance(self) -> BalancedPress:
         """The best counterweights in the regions of the job, over its dies, settings and speeds."""
         return self._balanced
@@ -614,6 +642,8 @@ def results_of(job: Job) -> Iterator[Tabular]:
         yield from job.traces()
     if "capacities" in has:
         yield job.rate()
+    if "stopping" in has:
+        yield from stopping_results(job)
     if "motor" in has and not moving and len(job.press.drivers) == 1:
         try:
             yield job.steady_state()
@@ -635,6 +665,13 @@ def results_of(job: Job) -> Iterator[Tabular]:
             yield job.budget()
     if "servo" in has:
         yield from servo_results(job)
+
+
+def stopping_results(job: Job) -> Iterator[Tabular]:
+    """The stops, and the safety distance where an edition is given."""
+    yield job.stopping()
+    if "edition" in job.sections["stopping"]:
+        yield job.safety_distance()
 
 
 def servo_results(job: Job) -> Iterator[Tabular]:

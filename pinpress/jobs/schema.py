@@ -152,6 +152,18 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "points": "segments of the path; left out: as many as it takes",
         "step": "of the tables for a controller",
     },
+    "stopping": {
+        "delay": "from the signal until the brake begins to close; torque and rise are those of brake",
+        "control": "response time of the control",
+        "device": "response time of the protective device",
+        "monitor": "time by which a stop may last longer before the brake monitor reports it",
+        "inertia": "of brake disc, driven plate of the clutch, and all else that stays on the crank and is not in the press's file",
+        "edition": "whose formula for the safety distance is evaluated; left out: none",
+        "resolution": "detection capability of the curtain, at a right angle to the approach",
+        "reach": "D_DS of ISO 13855:2024",
+        "supplement": "Z of ISO 13855:2024",
+        "two_hand": "whether the device is a two-hand control",
+    },
     "run": {
         "duration": "of the run",
         "steady": "yes: the period that repeats itself, in place of a duration",

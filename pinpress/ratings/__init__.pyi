@@ -4,8 +4,11 @@ from .eccentric_loads import Gibs as Gibs
 from .eccentric_loads import GuideReaction as GuideReaction
 from .eccentric_loads import eccentric_load as eccentric_load
 from .eccentric_loads import permissible_eccentricity as permissible_eccentricity
+from .emergency_stops import StoppingTimes as StoppingTimes
+from .emergency_stops import stopping as stopping
 from .permissible_force import Capacities as Capacities
 from .rating import PressRatings as PressRatings
 from .rating import rate as rate
+from .safety_distance import SafetyDistance as SafetyDistance
 from .speed_limits import PermissibleSpeed as PermissibleSpeed
 from .speed_limits import speed_limit as speed_limit

@@ -5,15 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outlets.described import Along, Block, Chart, Column, Curve, Figure, Mark, Section, Table
-from ..common.quantities import Array, quantity
+from ..common.quantities import RPM, Array, quantity
 from ..dynamics.described import along_states, drawn_states
+from ..dynamics.inputs import written
 from ..dynamics.reactions import Reactions
 from ..kinematics.described import along_motion
 from ..kinematics.motion import is_cycle
 from ..kinematics.slide_path import dead_centres
 from .along_motion import MotionRatings, limits_in_words
+from .emergency_stops import FULL, StoppingTimes
 from .permissible_force import capacities_in_words
 from .rating import PressRatings, conditions_in_words
+from .safety_distance import SafetyDistance
 
 HEIGHT = "height above bottom dead centre"
 NEAR = 2.0  # reach of the chart near bottom dead centre, divided by the largest height at which another limit begins to govern
@@ -21,6 +24,7 @@ ROWS = 16  # rows of the tables, in addition to the heights at which another lim
 HYPERBOLAS = (0.2, 0.4, 0.6, 0.8)  # places on the diagonal of a chart where lines of constant energy cross it
 ROOM = 1.12  # highest force of a chart, divided by the nominal force
 POINTS = 200  # points of a line of constant energy
+NO_ADVICE = "This is no advice: what decides is the stopping time measured on the press."
 
 
 def press_ratings(ratings: PressRatings, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -181,5 +185,63 @@ def _states(ratings: MotionRatings) -> Table:
     return Table("permissible", "Permissible force", columns, most=200)
 
 
-SECTIONS = {PressRatings: press_ratings, MotionRatings: motion_ratings}
+def stops(result: StoppingTimes, page: object = None) -> tuple[Section, ...]:
+    """The stops of a press over the signal's angle, and the angles at which a brake does not hold."""
+    press = result._press
+    ends = dead_centres(press)
+    whole = 2 * np.pi * press.period_turns
+    closing = result.signal[result.closing]
+    shaded = (float(closing[0]), float(closing[-1])) if ends.strokes == 1 else None
+    along = Along("crank angle at the signal", "angle", result.signal, shaded=shaded)
+    figures: list[Figure] = []
+    for name, case in result.cases.items():
+        figures.append(Figure("holding torque margin", case.margin, "number", name))
+        if case.worst is None:
+            where = ", ".join(f"{_degrees(low)} to {_degrees(high)} ({way})" for low, high, way in case.slips)
+            figures.append(Figure("does not hold", where, where=name))
+            continue
+        worst, closing_at = case.worst, f"after a signal at {_degrees(case.worst.signal % whole)} of the closing stroke"
+        figures += [Figure("longest stop", worst.time, "s", f"{name}, {closing_at}"), Figure("overrun there", worst.overrun, "angle", name)]
+        figures.append(Figure("way of the slide there", worst.travel, "height", name))
+        if case.worst_elsewhere is not None:
+            other = case.worst_elsewhere
+            figures.append(Figure("longest stop of all", other.time, "s", f"after a signal at {_degrees(other.signal % whole)}, {name}"))
+        if case.top_stop is not None:
+            figures.append(Figure("signal of the top stop", case.top_stop.overrun, "angle", f"{name}, before top dead centre"))
+    held = {name: case for name, case in result.cases.items() if case.worst is not None}
+    charts = [
+        Chart(name, title, unit, along, [Curve(each, getattr(case, name), look="line") for each, case in held.items()])
+        for name, title, unit in (
+            ("time", "Time to standstill", "s"),
+            ("overrun", "Angle to standstill", "angle"),
+            ("travel", "Way of the slide to standstill", "height"),
+        )
+    ]
+    inputs = [
+        ("speed", f"{result.speed / RPM:g} r/min"),
+        ("brake", written(result.cases[FULL].torque, "N m")),
+        ("delay and rise of the brake", f"{1e3 * result.delay:g} ms, {1e3 * result.rise:g} ms"),
+        ("inertia that stays on the crank", written(result.inertia, "kg m2")),
+    ]
+    note = (
+        "Clutch open, without motor and flywheel. Left out: wear, heat and scatter of the brake, which make a stop longer; friction and the"
+        " process, which make it shorter. " + NO_ADVICE
+    )
+    return (Section("Stopping", figures, charts, inputs, note, press, "stopping"),)
+
+
+def safety_distance(result: SafetyDistance, page: object = None) -> tuple[Section, ...]:
+    """A safety distance with its addends."""
+    names, times, lengths, sources = zip(*result.addends, strict=True)
+    columns = [Column("addend", names), Column("time", times, "s"), Column("length", lengths, "height"), Column("from", sources)]
+    figures = [Figure("distance by the formula", result.distance, "height", result.edition)]
+    note = f"{result.formula}. {NO_ADVICE}"
+    return (Section("Safety distance", figures, [Table("addends", "Addends", columns)], note=note),)
+
+
+def _degrees(angle: float) -> str:
+    return f"{np.degrees(angle):.2f} deg"
+
+
+SECTIONS = {PressRatings: press_ratings, MotionRatings: motion_ratings, StoppingTimes: stops, SafetyDistance: safety_distance}
 """How results of this room are described."""

@@ -115,6 +115,21 @@ def test_sections_of_tables_are_those_of_jobs() -> None:
     assert set(BESIDE) == set(SECTIONS) - {"file", "drivers", "floating", "pose"}
 
 
+@pytest.mark.exhaustive
+def test_stops_of_a_job_are_those_of_the_library_with_the_loads_that_always_act() -> None:
+    stop = {"delay": 0.02, "inertia": 1.0, "control": 0.01, "edition": "ANSI B11.19", "resolution": 0.02}
+    loads = {"up": pp.loads.PointForce("slide", (0.0, 0.0, 100.0)), "draw": pp.loads.ConstantForce(1e4, 0.01)}
+    job = pp.job("crank_slide", speed=5.0, loads=loads, brake={"torque": 500.0, "rise": 0.03}, stopping=stop)
+    by_library = pp.ratings.stopping(job.press, 5.0, 500.0, 0.02, 0.03, control=0.01, inertia=1.0, loads=[loads["up"]])
+    assert job.stopping().worst == by_library.worst
+    assert job.safety_distance().addends == by_library.distance("ANSI B11.19", resolution=0.02).addends
+    assert [type(each).__name__ for each in results_of(job)] == ["StoppingTimes", "SafetyDistance"]
+    with pytest.raises(pp.PinpressError, match=r"the job has no brake; write brake: \{torque: 25 kN m"):
+        job.with_(brake=None).stopping()
+    with pytest.raises(pp.PinpressError, match="it has no edition; write edition: ISO 13855:2010"):
+        job.with_(**{"stopping.edition": None}).safety_distance()
+
+
 def test_tables_of_parts_come_from_beside_their_file(tmp_path: Path) -> None:
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "stroke.csv").write_text("height [mm],force [kN]\n0,100\n5,50\n")

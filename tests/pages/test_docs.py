@@ -38,6 +38,7 @@ RUN = [
     "simulation",
     "slide_accuracy",
     "start",
+    "stopping",
     "sweep",
     "synthesis",
     "tolerances",
@@ -58,7 +59,7 @@ RUN += [
 # these take as long as all others
 LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
 LONG |= {"balancing", "elasticity", "measured_vibration", "recording", "robots", "servo", "several_drivers", "synthesis", "slide_accuracy"}
-LONG |= {"tolerances"}
+LONG |= {"stopping", "tolerances"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "mistakes", "motor", "kong2025", "zhang2007", "chen2002"]

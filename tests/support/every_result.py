@@ -131,6 +131,11 @@ def reactions():
 
 
 @cache
+def stops():
+    return pp.ratings.stopping(press(), SPEED, 500.0, 0.02, 0.03, monitor=0.02, inertia=1.0)
+
+
+@cache
 def motor_choice():
     return pp.servo.choose_motor(press(), [MOTOR], [], ratios=[5.0], time=1.0, points=24)
 
@@ -480,6 +485,7 @@ def made():
         pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
         *(guided(), guided().surfaces[0], guided().opened[0], campbell(), campbell().resonances[0]),
         *(pp.ratings.rate(press(), SPEED, CAPACITIES, points=9), pp.ratings.speed_limit(press(), CAPACITIES)),
+        *(stops(), stops().worst, *stops().cases.values(), stops().distance("ANSI B11.19", resolution=0.014)),
         pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
         pp.ratings.eccentric_load(
             press(), pp.servo_cycle(press(), speed=0.0, angle=[0.1]), force=1e5, offset=(0.02, 0.0, 0.0), gibs=pp.ratings.Gibs(0.3, 0.1)
