@@ -343,6 +343,7 @@ def test_opposed_keeps_the_balance_condition_of_the_shipped_press(rod_mass):
 # --------------------------------------------------------------------------------------------------------------------------- symmetric
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("orders", [(1, 2), (2,), (1, 4)])
 @FIXED
 @given(seed=SEEDS)
@@ -483,6 +484,7 @@ def test_new_presses_can_be_written_and_loaded_again(make, tmp_path):
     assert not [finding for finding in pp.check(tmp_path / "again.urdf").findings if finding.severity != "note"]
 
 
+@pytest.mark.exhaustive
 def test_new_presses_can_be_recorded_and_reported(tmp_path):
     press = mirrored(with_opposed_balancer(texts.shipped("crank_slide"), 0.15), 0.6)
     result = turn(press)

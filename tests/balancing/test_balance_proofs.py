@@ -275,6 +275,7 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
     np.testing.assert_allclose(found, np.where(felt, best.x, 0.0), atol=1e-2)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("points", [36, 360])
 def test_what_a_criterion_is_larger_by_between_the_states_is_said(points):
     """The proof is that of the states; a load begins between them, and with eight times as many the range is larger."""

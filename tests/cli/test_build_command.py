@@ -98,6 +98,7 @@ def test_every_command_takes_other_values_of_a_tables_parameters(folder, capsys)
         assert shown[0] == shown[1] != shown[2]
 
 
+@pytest.mark.exhaustive
 def test_a_report_shows_the_table_as_it_is_beside_other_values(folder):
     assert main(["new", "press.yaml", "--template", "crank-slide"]) == 0
     report = ["report", "press.yaml", "--speed", "60r/min", "--set", "points=36", "--out", "report.html"]
@@ -116,6 +117,7 @@ def test_every_template_builds(folder, capsys, name):
     assert (folder / "out.svg").read_text(encoding="utf-8").startswith("<svg")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -36,7 +36,7 @@ def test_output_that_cannot_be_written(arguments):
     assert (ended.returncode, ended.stderr) == (2, "pinpress: cannot write the output: No space left on device\n")
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_output_that_nobody_reads(unbuffered):
     reader, writer = os.pipe()
@@ -86,6 +86,7 @@ def test_the_library_leaves_ctrl_c_alone():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.exhaustive
 def test_a_warning_that_comes_twice_is_said_once():
     arguments = ["analyse", "crank_slide", "--speed", "60r/min", "--set", "points=8", "--load", "drawing:force=630kN,start=6m"]
     ended = run("module", *arguments, stdout=subprocess.DEVNULL)

@@ -79,8 +79,8 @@ def columns_are(path: Path, expected: dict[str, Any]) -> None:
 
 
 def test_a_job_alone_prints_everything_and_writes_its_page(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = printed(capsys, PRESS)
-    job = pp.job(PRESS)
+    text = printed(capsys, PRESS, "--set", "points=90")
+    job = pp.job(PRESS, points=90)
     for each in (job.reactions(), job.rate(), job.steady_state()):
         assert each.title in text
     assert re.search(r"read +\S+press_job\.yaml, SHA-256 [0-9a-f]{64}\n", text)
@@ -112,6 +112,7 @@ def test_analysis_writes_what_it_says(folder: Path, capsys: pytest.CaptureFixtur
     assert [trace["name"] for trace in data["traces"]] == ["slide", "coupler (0.6, 0, 0.1)"]
 
 
+@pytest.mark.exhaustive
 def test_numbers_of_a_bare_press(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, "analyse", "zxn2_3000b", "--speed", "70 r/min")
     for line in (
@@ -172,6 +173,7 @@ def test_balance(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "dashed: zxn2_3000b, crank at 70 r/min" in data_in(folder / "out/report.html")["report"]["subtitle"]
 
 
+@pytest.mark.exhaustive
 def test_balance_over_speeds_dies_and_settings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, "balance", file(BAR + BALANCE + "  speeds: 70 -50 r/min\n"))
     assert text.startswith(f"{by_library(70, -50)}\n")
@@ -275,6 +277,7 @@ def test_the_accuracy_budget(folder: Path, capsys: pytest.CaptureFixture[str], m
     assert sorted(os.listdir("out")) == ["budget.csv", "dimensions.csv"]
 
 
+@pytest.mark.exhaustive
 def test_a_press_on_springs_on_its_mounts(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     job = """\
 file: crank_slide

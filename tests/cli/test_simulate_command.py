@@ -137,6 +137,7 @@ def test_flywheel_alone_against_a_separate_integration(capsys: pytest.CaptureFix
     assert "\n  motor" not in text
 
 
+@pytest.mark.exhaustive
 def test_many_strokes_are_listed_in_part(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, tmp_path, PRESCRIBED + "run: {duration: 14 s, points: 100}\n")
     press = texts.shipped("crank_slide")
@@ -154,6 +155,7 @@ def test_few_strokes_or_none(capsys: pytest.CaptureFixture[str], tmp_path: Path)
     )
 
 
+@pytest.mark.exhaustive
 def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     out = tmp_path / "made" / "out"
     text = printed(capsys, tmp_path, PRESSING + "run: {duration: 2 s, points: 200}\n", out)
@@ -181,6 +183,7 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert 300_000 < len(page) < 600_000
 
 
+@pytest.mark.exhaustive
 def test_strokes_without_rated_torque(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """There is no utilisation then, neither in the summary nor in the file; and of no stroke there is the header."""
     text = printed(capsys, tmp_path, PRESCRIBED + "run: {duration: 0.1 s}\n", tmp_path)

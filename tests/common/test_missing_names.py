@@ -24,6 +24,7 @@ def test_a_name_that_is_not_there_is_told_where_it_is(space: str, name: str, sai
     assert str(raised.value) == said
 
 
+@pytest.mark.exhaustive
 def test_a_name_has_one_place_also_after_its_use() -> None:
     """lazy_loader puts what it has found into the package; names of `measures` and `video`, which are modules, came to be there."""
     code = "import pinpress as pp; pp.measures.duty_cycle; pp.video.film; print(hasattr(pp, 'duty_cycle'), hasattr(pp, 'film'))"

@@ -79,7 +79,7 @@ def answer(press, dynamics, x, v, efforts):
     return np.concatenate([a, lengths * np.linalg.lstsq((lengths[:, None] * rows).T, left, rcond=1e-9)[0]])
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("name", FAMILIES)
 def test_differences_along_closed_motions(name):
     """In random directions; rounding over the step and the step's fourth power leave 1e-10 to 1e-9."""

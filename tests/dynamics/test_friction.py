@@ -196,6 +196,7 @@ def test_hand_script(name, rubs, engine):
         assert np.abs(rubbing[bearing] - smooth[bearing]).max() > 1e-3 * np.abs(smooth[bearing]).max(), bearing
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "preload"), [("crank_slide", 4e4), ("zxn2_3000b", 1.2e5)])
 def test_preloaded_gibs_by_hand(name, preload, engine):
     """In some states the preload rubs, in others the force across the guide: 1e-12 of the peaks, and every law."""
@@ -405,6 +406,7 @@ def test_a_guide_without_a_force(guide, coefficient, engine):
     assert np.abs(result.driving_torque - bare.driving_torque).max() <= 1e-12 * np.abs(bare.driving_torque).max()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("coefficient", [0.1, 1.0])
 def test_where_the_thrust_changes_sides(coefficient, engine):
     """The slide's guide is without a force at a crank angle: around it, to the last digit, friction is found as everywhere else."""

@@ -33,6 +33,7 @@ def test_forces_do_not_depend_on_earlier_calls(name: str, engine: str) -> None:
         assert np.array_equal(_forces(used, speed, engine), fresh[speed])
 
 
+@pytest.mark.exhaustive
 def test_threads_share_a_press() -> None:
     press = pp.load("crank_slide")
     expected = {points: pp.cycle(press, 5.0, points=points).slide_acceleration for points in range(3, 13)}

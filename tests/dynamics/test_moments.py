@@ -106,6 +106,7 @@ def test_runs(method):
     assert run.load_work[-1] - run.load_work[0] == pytest.approx(work, abs=2e-2)
 
 
+@pytest.mark.exhaustive
 def test_elastic_motion():
     """On stiff springs the drive supplies what inverse dynamics asks for, but for the way that the springs yield."""
     press, held = shipped("crank_slide"), pp.drives.PrescribedSpeed(10.0)

@@ -108,9 +108,16 @@ def test_a_floating_base_at_rest_and_held():
 
 
 def test_equilibrium_follows_the_motor():
-    press, time = sprung_five_bar(), np.linspace(0.0, 1.0, 33)
+    press = sprung_five_bar()
     at_rest = pp.inverse_dynamics(press, pp.servo_cycle(press, [0.25], speed=[0.0], acceleration=[0.0]), passive="equilibrium")
     np.testing.assert_allclose(at_rest.motion.crank_angle[0], [0.25, 0.3672696236], rtol=1e-9)
+    with pytest.raises(pp.PinpressError, match=r"ends near turn_a 22\.8959 deg"):
+        pp.inverse_dynamics(press, pp.servo_cycle(press, [0.5], speed=[0.0], acceleration=[0.0]), passive="equilibrium")
+
+
+@pytest.mark.exhaustive
+def test_the_rates_of_an_equilibrium_are_those_of_its_path():
+    press, time = sprung_five_bar(), np.linspace(0.0, 1.0, 33)
     forces = pp.inverse_dynamics(press, pp.servo_cycle(press, 0.3 * time, time=time), passive="equilibrium")
     of_time = make_interp_spline(time, forces.motion.crank_angle[:, 1], 11)
     inside = slice(8, -8)
@@ -118,8 +125,6 @@ def test_equilibrium_follows_the_motor():
     np.testing.assert_allclose(forces.motion.crank_acceleration[inside, 1], of_time(time, 2)[inside], rtol=1e-6)
     still = pp.servo_cycle(press, forces.motion.crank_angle, speed=np.zeros((33, 2)), acceleration=np.zeros((33, 2)))
     np.testing.assert_allclose(pp.inverse_dynamics(press, still, passive="given").driving_torque[:, 1], 0.0, atol=1e-11)
-    with pytest.raises(pp.PinpressError, match=r"ends near turn_a 22\.8959 deg"):
-        pp.inverse_dynamics(press, pp.servo_cycle(press, [0.5], speed=[0.0], acceleration=[0.0]), passive="equilibrium")
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,7 @@ def test_a_step_is_met_at_its_edge(angle, points, speed):
     )
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("points", [60, 180, 721])
 def test_a_load_shorter_than_a_step_has_its_peak(points):
     """A quarter sine over 0.4 mm, whose torque is largest a little above its end: less than one of 60 steps, in which no state is."""

@@ -57,6 +57,7 @@ def test_a_scotch_yoke_carries_the_moment_of_its_crank_alone(angle, first, engin
     assert np.abs(np.abs(moment) - np.abs(expected)).max() < 1e-9 * np.abs(expected).max()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("tool", "x", "name"),
     [("Y1", -OFF, "Y1 of the table"), ([150, -250], 0.03, "the tool of the table"), ({"x": 100}, -0.02, "the tool of the table")],

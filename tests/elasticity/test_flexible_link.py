@@ -196,6 +196,7 @@ def stroke(*links, loads=()):
     return pp.steady_state(press, speed, drive=drive, loads=list(loads), elastic=elastic, points=121)
 
 
+@pytest.mark.exhaustive
 def test_stroke_with_a_rod_that_bends():
     """Energy, and how much deeper or higher the slide goes under load."""
     blanking = [pp.loads.Blanking(1.25e6, 0.010, 0.005)]

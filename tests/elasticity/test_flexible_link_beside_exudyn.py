@@ -56,6 +56,7 @@ def rod():
     return link, each_way
 
 
+@pytest.mark.exhaustive
 def test_half_a_stroke():
     pytest.importorskip("exudyn")
     press, speed, (link, each_way) = shipped("jf75g_125_plain"), 900 * pp.RPM, rod()

@@ -40,6 +40,7 @@ def test_resonances_are_where_orders_meet_frequencies():
     assert "  8 resonances." in str(found)
 
 
+@pytest.mark.exhaustive
 def test_strokes_over_the_speed_are_steady_states():
     press = shipped("jf75g_125_plain")
     found = over_speeds(press, elastic(press), speeds=SPEEDS, loads=BLANKING)

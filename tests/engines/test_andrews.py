@@ -86,7 +86,7 @@ def test_first_accelerations_and_multipliers(press, simulated, method):
     assert off(multipliers(result)[0], andrews.FIRST_MULTIPLIERS) < CLOSE[method][3]
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("time", TIMES)
 @pytest.mark.parametrize("method", METHODS)
 def test_the_80_bit_solution(press, simulated, method, time):

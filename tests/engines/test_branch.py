@@ -189,6 +189,7 @@ def test_a_crank_a_little_shorter_than_its_rod_goes_round(shorter):
     assert np.abs(motion.slide_position + r * np.cos(angle) + np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)).max() < 1e-11
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("longer", [1e-3, 1e-6])
 def test_a_crank_a_little_longer_than_its_rod_locks(longer):
     """Just before 90 degrees, to 1e-6 rad."""
@@ -209,6 +210,7 @@ def test_a_parallelogram_is_refused_at_its_change_points(degrees):
     np.testing.assert_allclose(motion.v[:, press.joints.index("B")], -1.0, rtol=1e-9)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_double_rocker_locks_both_ways(side):
     """The driven rocker turns between the angles at which coupler and other rocker lie in a line, stretched and folded: law of cosines."""
@@ -394,6 +396,7 @@ def tangent():
     return drawing.urdf("O")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_slide_that_moves_beyond_all_bounds_is_followed_far(engine):
     """Towards a right angle its guides become parallel: the linkage locks there, and is exact before it."""

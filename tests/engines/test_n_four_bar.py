@@ -37,7 +37,7 @@ def exact(count, times):
     return solved.y
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", BOUNDS)
 @pytest.mark.parametrize("count", [1, 2])
 def test_ten_seconds(count, method):

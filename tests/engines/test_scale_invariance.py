@@ -160,7 +160,7 @@ def reactions(units, load=None, rubbing=None):
     return pp.inverse_dynamics(press(units), states(units), loads=given, friction=laws)
 
 
-@pytest.mark.one_in(11)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("units", UNITS)
 @pytest.mark.parametrize("load", [None, *LOADS])
 def test_inverse_dynamics(load, units):

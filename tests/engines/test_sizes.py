@@ -33,6 +33,7 @@ def test_power_and_idle_forces_of_a_linkage_of_many_joints(kind):
     assert pp.visual_model(press, motion).ngeoms > len(press.joints)
 
 
+@pytest.mark.exhaustive
 def test_a_row_of_links_with_ties_is_one_linkage_however_its_tree_is_written():
     """Loops between neighbours, or each round all links before it: the same torque."""
     presses = [large_linkages.load(large_linkages.tied_row(3, short)) for short in (True, False)]
@@ -40,6 +41,7 @@ def test_a_row_of_links_with_ties_is_one_linkage_however_its_tree_is_written():
     np.testing.assert_allclose(short.driving_torque, long.driving_torque, rtol=0, atol=1e-12 * np.abs(long.driving_torque).max())
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [*pp.presses(), "geared"])
 def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
     press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)

@@ -170,6 +170,7 @@ FRAME = foundation.Frame(15000, (0, 0, -0.6), (9000, 8000, 4000))
 SPRINGS = on_four((2e6, 2e6, 2e6), (2e3, 2e3, 2e3), height=-0.6)
 
 
+@pytest.mark.exhaustive
 def test_isolating_mounts_are_the_stiffest_that_keep_the_limit():
     press = shipped("jf75g_125_plain")
     found = foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=0.2)

@@ -146,6 +146,7 @@ def test_where_no_foot_lifts_it_is_the_linear_response(lossy):
     np.testing.assert_allclose(found.motion.displacement["top"], want, atol=2e-3 * np.abs(want).max())
 
 
+@pytest.mark.exhaustive
 def test_a_motion_that_settles_and_one_that_does_not():
     """A hammering mass: with enough damping it repeats every stroke, however it began; with less it has not after five."""
     press = weightless()

@@ -93,6 +93,7 @@ def test_what_is_out_of_reach_is_named_with_its_distance():
         pp.inverse_kinematics(leg, "foot", [home, lifted])
 
 
+@pytest.mark.exhaustive
 def test_places_of_the_other_assembly_are_refused():
     """The coupler of a parallelogram, which in the other assembly turns."""
     file = FOLDER / "15_flat_zero_pose.urdf"

@@ -171,6 +171,7 @@ WINDOWS = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", WINDOWS)
 def test_every_kind_of_evenest_window_is_found_and_differentiated(kind):
     """By the complex step, by the first hump, against central differences: 1e-8, of their step squared."""
@@ -241,7 +242,7 @@ def searched(slide, length):
 # Derivatives by the complex step
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("measure", ALL)
 def test_the_complex_step_differentiates_every_measure(measure, family):

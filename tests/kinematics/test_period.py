@@ -148,6 +148,7 @@ def test_extremes_and_peaks(press):
     np.testing.assert_allclose(1e3 * slide.slide_position, [some["slide position"].largest, some["slide position"].smallest], rtol=1e-12)
 
 
+@pytest.mark.one_in(2)
 def test_the_summary_says_where(press, name):
     for way in (1.0, -1.0):
         motion = pp.cycle(press, way * SPEED)

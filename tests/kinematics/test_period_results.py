@@ -150,7 +150,7 @@ def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
     assert len(pp.measures.stroke_duties(run)) == int(run.crank_angle[-1] / (2 * np.pi)) > 3
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_ratings_of_a_slide_that_is_back_before_other_links(with_cam, alone, speed):
     """The process force alone does not know of the shaft; at speed the worse of two strokes counts."""
@@ -318,7 +318,7 @@ def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_short
 # Commands
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_commands(press, name, tmp_path, capsys):
     file = str(texts.file(press.text.decode()))
     assert main(["analyse", file, "--speed", "60r/min", "--out", str(tmp_path / "out")]) == 0

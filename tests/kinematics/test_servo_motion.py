@@ -457,7 +457,7 @@ def test_noise_does_not_contradict_but_what_is_larger_does(press):
         pp.servo_cycle(press, **noisy)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("digits", [2, 3, 4, 6])
 @pytest.mark.parametrize("states", [50, 1000, 5000])
 @pytest.mark.parametrize("motion", [*MOTIONS, "constant"])

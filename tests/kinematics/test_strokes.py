@@ -73,7 +73,7 @@ def worked(text, words):
     return re.search(rf"  work of the process +{re.escape(number)} {unit} +{re.escape(words)}", text) is not None
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("gain", GAINS)
 def test_a_geared_crank(tmp_path, gain):
     """What a crank does that turns faster than its driver is what it does at its own speed: independent of the strokes of a turn."""
@@ -116,7 +116,7 @@ def test_strokes_of_a_run_and_of_a_check(tmp_path, gain):
     assert f"{strokes / turns:g}        of V, all alike" in str(pp.check(pp.write_urdf(press, tmp_path / "press.urdf")))
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("angle", [90, 75, 110])
 def test_a_knuckle_that_passes_its_straight_pose(tmp_path, angle):
     """Two strokes that differ, both to the straight pose. Independent: signs of the slide's speed in fine states."""
@@ -181,7 +181,7 @@ def test_a_screw_that_pushes_a_knee_through():
     assert pp.dead_centres(texts.load(sliding_presses.TOGGLE)).strokes == 1
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("gain", ["-2", "-1.5", "3"])
 def test_energy_and_springs_of_a_stroke(tmp_path, gain):
     """A flywheel takes up and gives off the same energy in each of equal strokes; speeds on springs are given in strokes."""

@@ -54,6 +54,7 @@ def test_margins_are_singular_values_of_the_jacobians(five_bar, around_a_lock):
     np.testing.assert_allclose(found.place[rows].reshape(-1, 3), five_bar.placements("rod_b", drivers)[:, :3, 3], rtol=0, atol=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_a_leg_has_dead_points_where_it_is_straight():
     """With knee and hip in line with the foot, the foot cannot be moved along the leg."""
     leg = pp.load(DOCS / "leg.urdf")

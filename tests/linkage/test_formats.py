@@ -38,7 +38,7 @@ def forces(press):
     return names, np.hstack([torque, *(reactions.bearing_force[name] for name in names)])
 
 
-@pytest.mark.one_in(11)
+@pytest.mark.one_in(19)
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("name", pp.presses())
 def test_a_press_in_another_format_has_the_torque_and_bearing_forces_of_ours(name, form, tmp_path):

@@ -236,7 +236,7 @@ def cut_rod(shares, seed, off=0.0):
     return kept + "".join(parts) + '<transmission name="t"><joint name="O"/></transmission></robot>'
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize(("seed", "wrong"), [(0, 0.0), (1, 0.0), (2, 0.0), (4, 0.0), (1, 1e-7), (5, 0.0), (2, 1e-5), (5, 1e-4), (3, 0.0)])
 def test_a_rod_in_pieces_moves_like_one_in_one_piece(seed, wrong):
@@ -251,6 +251,7 @@ def test_a_rod_in_pieces_moves_like_one_in_one_piece(seed, wrong):
     np.testing.assert_allclose(*torques, rtol=0, atol=max(1e-9, 3 * wrong) * np.abs(torques[1]).max())
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("off", "kind"), [(0.0, "spin"), (0.5e-6, "spin"), (2e-6, "swing"), (0.02, "swing")])
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 def test_a_swing_is_a_spin_whose_centre_of_mass_is_off_the_line(off, kind):
@@ -312,6 +313,7 @@ def robot(number, **options):
     return pp.load(case.path, **{"driver": None} | options)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize(
     ("number", "options", "motors", "found"),
@@ -381,6 +383,7 @@ def test_a_file_that_names_no_driver_is_checked_with_those_proposed(capsys):
         pp.load(case.path)
 
 
+@pytest.mark.exhaustive
 def test_nothing_is_analysed_where_drivers_of_a_press_determine_it(monkeypatch):
     def refuse(*_):
         raise AssertionError

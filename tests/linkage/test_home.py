@@ -71,7 +71,7 @@ QUANTITIES = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("quantity", QUANTITIES)
 @pytest.mark.parametrize("name", ["crank_slide", pytest.param("zxn2_3000b", marks=pytest.mark.exhaustive)])
 def test_results_do_not_depend_on_where_the_zeros_are(name, quantity):
@@ -96,6 +96,7 @@ def test_a_written_home_is_read_again(tmp_path):
     assert b"<home>" not in back.text
 
 
+@pytest.mark.exhaustive
 def test_a_driver_that_slides_begins_at_home():
     """Between the limits of its joint, and from home where that is outside."""
     press = texts.load(changed((TRANSMISSION, TRANSMISSION.replace('"O"', '"guide"'))))

@@ -145,7 +145,7 @@ def loaded(model, drivers, **more):
         return pp.from_pinocchio(model.model, model.constraints, drivers, model.q, **more)
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(11)
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize(("seed", "elsewhere"), [(0, False), (1, False), (2, True), (3, True)])
 def test_the_torque_is_that_of_the_model_with_multipliers(case, seed, elsewhere):
@@ -184,7 +184,7 @@ PRESSES = {name: lambda name=name: pp.load(name) for name in pp.presses()} | {
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", PRESSES)
 def test_model_and_constraints_of_a_linkage_give_it_back(name):
     press = PRESSES[name]()

@@ -308,6 +308,7 @@ def test_mechanisms_that_are_drawn_open(family, kind, dialect, seed, tmp_path):
     compare(load(tmp_path, urdf(made, dialect), "urdf"), made, seed=seed)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 6))])
 @pytest.mark.parametrize("digits", [4, 6, 8])
 @pytest.mark.parametrize("family", ["five_bar", "wrist"])
@@ -319,6 +320,7 @@ def test_hinges_with_rounded_numbers(family, digits, seed, tmp_path):
     compare(press, made, seed=seed, tolerance=300 * 10.0**-digits, gap=30 * 10.0**-digits)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 6))])
 @pytest.mark.parametrize(
     ("family", "kind", "sprung"),

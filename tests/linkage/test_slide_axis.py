@@ -34,7 +34,7 @@ def test_positions_count_upwards_whatever_the_axis(both):
     assert pp.dead_centres(up).top_position > pp.dead_centres(up).bottom_position
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_are_alike(both, method):
     """With a spring, along which the force has a coordinate of its own, and a force over time."""
@@ -118,7 +118,7 @@ ONTO = {  # rotations that bring z to these axes, of files with another axis up,
 } | {f"random {seed}": Rotation.random(rng=np.random.default_rng(seed)).as_matrix() for seed in range(6)}
 
 
-@pytest.mark.one_in(13)
+@pytest.mark.one_in(23)
 @pytest.mark.parametrize("turned", ONTO)
 @pytest.mark.parametrize("downwards", [False, True])
 def test_a_press_is_the_same_however_its_file_lies(both, turned, downwards):

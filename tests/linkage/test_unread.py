@@ -63,6 +63,7 @@ def loaded(folder, text):
     return [each.removeprefix(f"{file}:") for each in found]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("wrong", UNREAD)
 def test_what_nothing_reads_is_told(tmp_path, wrong):
     right, said = UNREAD[wrong]

@@ -151,6 +151,7 @@ SPACE = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", rest_exhaustive(SPACE, *SPACE.keys() - {"bricard"}))
 def test_linkages_in_space(name, tmp_path):
     compare(texts.load(SPACE[name]), tmp_path)
@@ -167,7 +168,7 @@ def test_random_linkages(spec):
         compare(press, Path(folder), pp.servo_cycle(press, **servo(press, np.random.default_rng(spec.seed), states=1)))
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(9)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES])
 def test_small_robots(case, tmp_path):

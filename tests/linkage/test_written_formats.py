@@ -49,7 +49,7 @@ def assert_same(press, again, bearings=True):
     assert np.abs(got - expected).max() <= SAME * np.abs(expected).max()
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(14)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_an_sdf_loads_to_the_same_forces(name, tmp_path):
     press = LINKAGES[name]()
@@ -58,7 +58,7 @@ def test_an_sdf_loads_to_the_same_forces(name, tmp_path):
     assert set(press.links) <= set(again.links)
 
 
-@pytest.mark.one_in(13)
+@pytest.mark.one_in(29)
 @pytest.mark.parametrize("name", LINKAGES)
 @pytest.mark.parametrize(("dialect", "home"), [("pinpress", True), ("urdf+", False), ("urdf+", True), ("gazebo", False), ("drake", True)])
 def test_a_urdf_in_another_dialect_loads_to_the_same_forces(name, dialect, home, tmp_path):
@@ -106,7 +106,7 @@ def torque(press, case, at):
     return np.ravel(pp.inverse_dynamics(press, motion).driving_torque)
 
 
-@pytest.mark.one_in(11)
+@pytest.mark.one_in(23)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("case", [case for case in CASES if not case.file.startswith((*OUTSIDE, *WALKED))], ids=lambda case: case.id)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
@@ -114,7 +114,7 @@ def test_robots_keep_their_torque_in_every_format(case, form, tmp_path):
     assert_same_torque(case, form, tmp_path)
 
 
-@pytest.mark.one_in(10)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("case", [case for case in CASES if case.file.startswith(WALKED)], ids=lambda case: case.id)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")

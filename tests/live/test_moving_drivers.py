@@ -127,6 +127,7 @@ def test_what_is_no_driver_is_refused(session: Session) -> None:
             ask(session, "move", driver=driver)
 
 
+@pytest.mark.exhaustive
 def test_where_a_driver_cannot_stand_is_said(tmp_path: Path) -> None:
     """The couplers are nearly straight as drawn: crank A swings, and with crank B turned outwards they are too short."""
     path = tmp_path / "short.yaml"

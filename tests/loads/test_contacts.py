@@ -50,7 +50,7 @@ def test_forces_are_those_of_adams(exponent, damping):
                 assert each.force(inside, rate + 0 * inside) == pytest.approx([each.force(float(h), rate) for h in inside], rel=1e-13)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 @pytest.mark.parametrize(
     ("load", "law"),
@@ -74,7 +74,7 @@ def test_runs_are_those_of_the_printed_functions(load, law, method):
         assert heights.max() > 0.082
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("method", ["reduced", "implicit", "constraint"])
 def test_a_stop_pushes_again_over_the_last_depth(method):
     """On the way out damper and spring cancel. The damper grows with the square of the depth, the spring with its power of 1.5: below 30 um
@@ -233,7 +233,7 @@ def test_a_contact_that_would_pull_is_lost_on_either_side():
     assert {interval.sense for interval in stop.intervals(True)} == {1, -1}
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("stiffness", [1e6, pytest.param(1e8, marks=pytest.mark.exhaustive), 1e9])
 def test_hard_stops_are_met_where_they_are_touched(stiffness):
     """There the force is zero, and rounding told whether the stop pushes: runs over time went on through it, up to 0.02 rad astray."""

@@ -132,6 +132,7 @@ def wide(interval, by, value):
     return abs(value - (low + high) / 2) <= by * (high - low) / 2 + 1e-9
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("name", "degrees"),
     [("zxn2_3000b", 4.0), *(pytest.param(*each, marks=pytest.mark.exhaustive) for each in (("knuckle", -3.0), ("jf75g_125", 170.0)))],
@@ -317,6 +318,7 @@ def test_shaking_force_tells_what_torque_does_not():
     assert found["both"].learnt > found["torque"].learnt + 2.5
 
 
+@pytest.mark.exhaustive
 def test_loads_and_the_inertia_of_the_drive_are_taken_away():
     press, moved = press_of("crank_slide"), drive(60, seconds=4.0)
     spring = pp.loads.SpringDamper("frame", "slide", 2e4, point1=(0.0, 0.0, 2.0))
@@ -370,6 +372,7 @@ def test_estimates_stay_within_the_cones(capfd):
     assert values["rod I"] * values["rod mass"] >= values["rod moment x"] ** 2 + values["rod moment z"] ** 2 - 1e-9
 
 
+@pytest.mark.exhaustive
 def test_what_cannot_be_told_is_refused_or_warned_of():
     press, moved = press_of("crank_slide"), drive(60)
     torque = inertial_equations(press).coefficients(moved.angle)["torque"].columns(moved.speed, moved.acceleration)

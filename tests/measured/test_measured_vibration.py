@@ -379,6 +379,7 @@ def test_intervals_of_mounts_are_those_of_linear_least_squares(damping):
     np.testing.assert_allclose(np.log(fitted.intervals / fitted.values[:, None]), np.outer(half, [-1, 1]), rtol=2e-3)
 
 
+@pytest.mark.exhaustive
 def test_mounts_that_cannot_have_the_frequencies_are_told():
     """Frequencies of mounts 30 times as stiff along y: the largest factor is 20."""
     thought = standing()

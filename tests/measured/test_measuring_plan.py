@@ -120,6 +120,7 @@ def test_what_single_motions_leave_unknown():
     assert free.why == ("",)
 
 
+@pytest.mark.exhaustive
 def test_shares_are_the_best_there_are():
     """No other shares, drawn at random, make the sum of squares of relative deviations less than the proof allows."""
     found = planned(list(motions()))

@@ -266,6 +266,7 @@ def test_a_press_that_springs():
     assert np.abs(found.force[middle] - rigid).max() > 0.1 * 4e5
 
 
+@pytest.mark.exhaustive
 def test_the_noise_of_an_angle_is_found_whatever_the_crank_does():
     """Third differences of white noise are sqrt(20) times as large, and of a smooth angle nearly nothing."""
     time, angle, _, needed = torque(DRAWING, strokes=3.0, wave=0.05)

@@ -41,6 +41,7 @@ def code_cells(name: str) -> list[str]:
     return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_solution_finds_what_its_page_says(name: str) -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
@@ -98,6 +99,7 @@ def names_needed(code: str) -> set[str]:
     return {node.id for node in names} - own
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_open_gaps_say_what_is_missing_and_solutions_fill_them(name: str) -> None:
     """A student who runs each step, is told what is missing, and takes the page's solution."""

@@ -228,6 +228,7 @@ def test_an_exact_symmetry_moves():
     assert pp.build(**five_bar(80)).mobility == 1
 
 
+@pytest.mark.exhaustive
 def test_estimated_moments_of_inertia_are_not_doubted_but_given_ones():
     """Coordinates in metres taken for mm: only the size is odd, and the moments of inertia follow from it."""
     with pytest.warns(pp.PinpressWarning) as caught:

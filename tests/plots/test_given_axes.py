@@ -53,6 +53,7 @@ def test_every_plot_takes_axes():
     assert {name.split()[0] for name in PLOTS} == set(dir(plots)) - {"save"} | {"accuracy"}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", rest_exhaustive(PLOTS, "draw", "draw polar", "draw before"))
 def test_on_given_axes(name):
     count, plot = PLOTS[name]

@@ -150,12 +150,14 @@ def test_bearings(result):
     assert len(looks) == len(axes.lines)
 
 
+@pytest.mark.exhaustive
 def test_two_halves_are_one_curve():
     (axes,) = plots.draw(turn("jf75g_125_symmetric", 300), "bearings").axes
     assert len(axes.lines) == 6
     assert legend(axes)[:2] == ["O_left,\nO_right", "P2_left,\nP2_right"]
 
 
+@pytest.mark.exhaustive
 def test_moments_below_the_forces():
     _, moment = plots.draw(turn("thin_wall", 72), "bearings", "moments").axes
     assert moment.get_ylabel() == "torque [N m]"
@@ -250,6 +252,7 @@ def test_comparison(result, balanced, comparison):
     assert bars.texts[0].get_text() == f"{100 * (widths[1][0] / widths[0][0] - 1):+.1f} %"
 
 
+@pytest.mark.exhaustive
 def test_comparison_has_the_peaks_at_a_step_of_the_load():
     """The peaks of one press under one load do not depend on the states: 99.570 kN in W, where the load begins."""
     press = texts.shipped("crank_slide")
@@ -278,6 +281,7 @@ def test_comparison_in_one_unit():
     assert [text.get_text() for text in compared(second, first).axes[-1].texts] == ["0 before"] * 2
 
 
+@pytest.mark.exhaustive
 def test_nothing_to_compare(result, legs, run):
     with pytest.raises(pp.PinpressError, match="no place of peak bearing forces of one name: there is nothing to compare"):
         plots.draw(result, "peaks", before=legs)

@@ -149,6 +149,7 @@ def test_sections_of_a_report(crank, played, budget, tmp_path):
     assert chart(accuracy, "Parts of bottom dead centre")["bars"]["heat"][-1] == pytest.approx(-48)
 
 
+@pytest.mark.exhaustive
 def test_parallelism_in_a_report(tmp_path):
     press = texts.shipped("jf75g_125_two_point")
     rods = {point: [tol.link_length(press, point.replace("4", "2"), point, 2e-5)] for point in ("P4_front", "P4_back")}
@@ -263,6 +264,7 @@ def factor(label, quantity):
     return 1 / quantity_of(quantity).sizes()[unit] if unit else 1.0
 
 
+@pytest.mark.exhaustive
 def test_curves_and_limits():
     press = pp.load("crank_slide")
     motion = pp.servo.motion_by_law(
@@ -323,7 +325,7 @@ def test_rounding_does_not_choose_the_order(names):
     assert [text.get_text() for text in pp.plots.draw(found, "compliance").axes[0].get_legend().get_texts()] == list(names)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("seed", range(3))
 def test_plot_and_report_rank_the_parts_alike(tmp_path, seed):
     """Stiffnesses over a decade: the plot's legend, from the top, and the report's curves have the parts in one order."""

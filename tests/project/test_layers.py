@@ -98,7 +98,7 @@ def test_imports_point_down() -> None:
     assert code == 0, said
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("room", "line"),
     [
@@ -172,6 +172,7 @@ def test_a_circle_is_found(closing: str) -> None:
     assert "pinpress.room.b" in circle(files | {"pinpress/room/b.py": closing})
 
 
+@pytest.mark.exhaustive
 def test_imports_inside_functions_say_why() -> None:
     found = {file: unexplained(text) for file, text in FILES.items() if file.endswith(".py")}
     assert {file: lines for file, lines in found.items() if lines} == {}

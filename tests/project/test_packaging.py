@@ -124,7 +124,7 @@ def test_import_discipline(checkout, tmp_path, code, unwanted):
     assert set(unwanted.split()) & set(roots) == set()
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("name", PRESSES)
 def test_other_programs_open_the_shipped_files(name, capfd):
     from yourdfpy import URDF

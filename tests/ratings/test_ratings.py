@@ -260,6 +260,7 @@ def test_work_of_the_torque_limited_force_is_torque_times_angle():
     assert found.work[-1] == 0.0
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("points", [3, 31, 32])
 def test_work_where_an_energy_governs_is_that_of_the_other_limits(points):
     """There the torque gives way to the nominal force between two heights of the table."""
@@ -295,7 +296,7 @@ def test_work_by_adaptive_quadrature():
 # Every press, both engines, what is written
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("at_speed", [False, True])
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_press(name, at_speed):
@@ -327,6 +328,7 @@ def test_both_engines_agree():
     np.testing.assert_allclose(one.speed_limit.speed, other.speed_limit.speed, rtol=1e-9)
 
 
+@pytest.mark.exhaustive
 def test_columns_to_file_and_frame(tmp_path):
     found = rate(shipped("zxn2_3000b"), SPEED, Capacities(3e6, nominal_height=0.013), points=11)
     found.to_csv(tmp_path / "ratings.csv")

@@ -287,7 +287,7 @@ def test_friction_settles():
     assert "the proof holds for this torque" in best.notes[0]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("power", "rms", "gap"), [(280e3, 31530, 5e-4), (240e3, 32340, 5e-4), (200e3, 33970, 1e-3)])
 def test_power_is_kept_and_its_bound_is_close(power, rms, gap):
     """Motion (N = 720) and gap (N = 180) of a prototype: 8e-5, 1e-4 and 5e-4 after tightening, 1.3, 6.1 and 14.9 % before it."""
@@ -423,7 +423,7 @@ def best_of_a(drive=None, points=240, **options):
     return servo.best_motion(texts.shipped("zxn2_3000b"), drive or servo.ServoDrive(inertia=800), DRAWING, points=points, **options)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(
     ("limit", "of"),
     [
@@ -637,6 +637,7 @@ def test_hardly_possible_motions_have_a_caution():
     assert even.motion.duration == pytest.approx(2.4)
 
 
+@pytest.mark.exhaustive
 def test_the_wrong_flank_has_a_caution():
     """A load on the way down, and a speed that is limited on the way up alone; not where a speed is limited on the way down too."""
     up = servo.SlideSpeed(0.2, (0.06, 0.0), flank="up")
@@ -647,6 +648,7 @@ def test_the_wrong_flank_has_a_caution():
     best_of_a(limits=[up, SLOW], points=60)
 
 
+@pytest.mark.exhaustive
 def test_what_would_do_does():
     """The remedies that an error names are enough, and a little less is not."""
     drive = servo.ServoDrive(inertia=10, peak_torque=2700)

@@ -65,7 +65,7 @@ def test_a_least_peak_is_held_between_nodes():
     assert best.value * (1.0 - best.node_error - best.gap) < finer.value <= best.value
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("drag", "least"), [(18.0, 879.0313262), (19.0, 882.7709463), (20.5, 888.4724784)])
 @pytest.mark.parametrize("path", [servo.Turn(), None])
 def test_drag_of_the_motor_leaves_the_motion_without_it_possible(drag, least, path):
@@ -77,6 +77,7 @@ def test_drag_of_the_motor_leaves_the_motion_without_it_possible(drag, least, pa
     assert -1e-9 < best.gap < 2e-3
 
 
+@pytest.mark.exhaustive
 def test_points_of_a_trade_off_tell_the_error_of_their_nodes():
     press, drive = texts.shipped("thin_wall"), servo.ServoDrive(inertia=2.0)
     times = [60 / 72, 1.0]

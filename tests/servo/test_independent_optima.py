@@ -176,7 +176,7 @@ def test_errors_fall_with_the_square_of_the_step(name):
         assert 1.7 < np.log2((coarse - middle) / (middle - fine)) < 2.3
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("name", "fastest"),
     [("least time", None), ("least time", 8.0), ("least time of a swing", None), ("least time of pulses", None)],

@@ -134,7 +134,7 @@ SCENES: dict[str, tuple[dict[str, Any], Coupled, tuple[float, float, float | Non
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(18)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.filterwarnings("ignore:the press stands from", "ignore:the slide turns down again")
@@ -197,6 +197,7 @@ def test_a_crank_that_moves_by_rounding_alone_makes_no_jump(press, method):
     assert run.drive_speed[-1] == pytest.approx(-0.2, rel=1e-12)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("angle", [0.0, math.pi])
 def test_a_clutch_whose_torque_rises_between_sides_that_coast_alike(press, angle, method):

@@ -57,6 +57,7 @@ def others():
     }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["thin_wall", "jf75g_125_symmetric", "toggle", pytest.param("spatial", marks=pytest.mark.exhaustive)])
 def test_other_presses(name):
     press, speed = others()[name]

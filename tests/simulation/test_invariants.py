@@ -49,6 +49,7 @@ def case(press, request):
 # ------------------------------------------------------------------------------------------------------------------- energy over the angle
 
 
+@pytest.mark.one_in(3)
 def test_all_forces_are_those_at_the_speed_that_the_energy_gives(case):
     """On every panel that counts as solved. Elsewhere the speed follows from the energy too, never from a limit."""
     driven, mesh, energy = case

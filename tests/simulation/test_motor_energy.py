@@ -81,7 +81,7 @@ def stored(run):
     return np.array(found)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", MOTORS)
 def test_mains_are_work_and_losses_and_what_is_stored(name):
     """At every state of a run that is not steady: an error of 1e-9 of the largest work."""
@@ -145,6 +145,7 @@ def test_constant_loss_warms_exponentially():
     assert energy.temperature_rise == pytest.approx(wanted, rel=2e-3)
 
 
+@pytest.mark.exhaustive
 def test_a_start_warms_the_rotor_by_the_energy_of_what_it_starts():
     """A wheel J from rest to w: slip J (n0 w - w^2 / 2), the windings by the ratio of their resistance to the rotor's."""
     motor = InductionMotor(11e3, 1450 * RPM, load_loss=1200.0)
@@ -274,7 +275,7 @@ def servo_run():
     return pp.simulate(press(), 0.6, speed=0.0, drive=motor, flywheel=Flywheel(136.0), loads=BLANKING)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("voltage", [None, 700.0])
 @pytest.mark.parametrize("mains_power", [None, 1.55e6])
 def test_with_a_link_mains_are_work_losses_and_what_bodies_and_capacitor_store(voltage, mains_power):

@@ -590,7 +590,7 @@ def driven(name, load):
     return case, given, equation.solve(times, case.speed, J0 + case.inertia, windows=windows, **case.options)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(27)
 @pytest.mark.parametrize("load", ["idle", "stripping"])
 @pytest.mark.parametrize("name", DRIVES)
 def test_a_drive(press, method, name, load):
@@ -964,7 +964,7 @@ def both(press, duration, bound=1e-8, **options):
     return one, other
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("name", pp.presses())
 def test_both_methods_on_the_presses(name):
     """Geared, redundant, with a quick return: under drive, load and a spring."""

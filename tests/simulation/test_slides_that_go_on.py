@@ -150,6 +150,7 @@ def test_what_needs_a_period_is_refused_by_name(screw, rack):
         assert pp.measures.motor_energy(run).strokes is None
 
 
+@pytest.mark.exhaustive
 def test_a_feeder_beside_a_press_takes_no_period_from_it():
     """A rack along the frame that the crank drives on: the press is the same after a turn, and the forces are."""
     parts = {

@@ -71,6 +71,7 @@ def test_the_rounding_of_a_motors_slope_does_not_enter_the_solution(press):
         np.testing.assert_allclose(other.force, first.force, rtol=0, atol=2e-13 * np.abs(first.force).max())
 
 
+@pytest.mark.exhaustive
 def test_each_tolerance_holds_and_looser_ones_take_fewer_panels(press):
     """Against a run of all joints over time, which knows no table."""
     motor = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 45.0, inertia=0.1), 20.0)

@@ -163,7 +163,7 @@ def test_a_press_that_stands_to_the_end_says_so(press, method):
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("seed", [516, 558, 656, 728, 776, 826])
 @pytest.mark.parametrize("method", ["auto", "implicit"])

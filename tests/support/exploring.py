@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, settings
 
 FIXED, EXPLORE = "fixed", "explore"  # names of profiles
 MORE = 30  # cases explored for each one that is tried in continuous integration
-FEWER = 3  # cases that are tried there for each one that is always tried
+FEWER = 6  # cases that are tried there for each one that is always tried
 
 # Cases are whole presses, which take long to make, and folders may be shared: neither says anything of the property.
 _COMMON = settings(deadline=None, suppress_health_check=list(HealthCheck))
@@ -17,7 +17,7 @@ settings.register_profile(EXPLORE, _COMMON, derandomize=False, print_blob=True)
 
 
 def examples(count: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Decorates a property that is tried on ``count`` cases in continuous integration, on the first third of them elsewhere.
+    """Decorates a property that is tried on ``count`` cases in continuous integration, on the first sixth of them elsewhere.
 
     Drawn at random, these may be such as are legal but hardly meant.
     """

@@ -237,6 +237,7 @@ def test_a_constraint_that_no_design_keeps_beside_another_is_named():
 CRANK = {"r": (0.05, 0.1, 0.2)}
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(
     ("words", "options"),
     [
@@ -336,6 +337,7 @@ def test_what_is_not_known_exactly_is_refused():
         synthesise(two_point, both, minimise=lambda t: t.reactions.shaking_moment[:, 1], **rods)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("points", "noticed"), [(20, True), (180, False)])
 def test_what_a_constraint_is_missed_by_between_crank_angles_is_said(points, noticed):
     """A slide speed that is held at the crank angles of the trials is beyond its bound between them, as a cycle with 20 000 shows."""

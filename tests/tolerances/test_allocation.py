@@ -57,6 +57,7 @@ def test_the_new_tolerances_keep_the_target_in_a_sample(press, parts):
     assert found.parts[6].mean == pytest.approx(0.0)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:Values in x were outside bounds:RuntimeWarning")  # of older releases of SciPy's solver
 def test_several_targets_are_the_optimum_of_another_solver(press, parts):
     from scipy.optimize import minimize

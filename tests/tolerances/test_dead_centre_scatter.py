@@ -181,6 +181,7 @@ def test_a_link_drive_with_ball_joints_and_its_torque_and_speed(tmp_path):
         tol.pin_angle(pp.build(tmp_path / "straight.yaml"), "B", "A", "C_cross", 1e-4)
 
 
+@pytest.mark.exhaustive
 def test_two_servos_and_a_crank_that_turns_back_stand_where_their_path_is_lowest(press, tmp_path):
     (tmp_path / "servos.yaml").write_text(TWO_SERVOS)
     servos, phase = pp.build(tmp_path / "servos.yaml"), np.linspace(0.0, 2 * np.pi, 24)
@@ -342,7 +343,7 @@ drive: O
 """
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("short", [0.0, 0.01, 1.0, -0.01, -1.0])
 @pytest.mark.parametrize("tolerance", [1e-5, 1e-3])
 def test_a_knuckle_that_some_presses_stretch_and_others_do_not(short, tolerance, tmp_path):

@@ -152,6 +152,7 @@ def test_the_largest_fall_in_the_shafts_bearing_by_trying_all_angles(price, word
     assert price[words].most == pytest.approx(100 * (least / np.ptp(solved[name]) - 1), abs=1e-5)
 
 
+@pytest.mark.exhaustive
 def test_no_counterweight_within_the_radii_lowers_the_vertical_forces_of_rod_and_slide(price):
     for pin in "EF":
         assert price[f"{pin}, vertical"].most == pytest.approx(0.0, abs=1e-6)

@@ -205,7 +205,7 @@ def test_zhang_lateral_forces_of_two_shafts_cancel():
     np.testing.assert_allclose(np.abs(found.shaft - idle), 0.5 * force * np.abs(slope) / np.sqrt(1 - slope**2), atol=1e-8 * 1250e3)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", zhang2007_runs.PEAKS)
 def test_zhang_five_strokes(name):
     """Five forces in five turns, whether the press makes them in a second or not; 1250 N hardly show beside what moves."""

@@ -17,6 +17,7 @@ COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7
 HEIGHTS = ["--heights", "0 1 2 3 4 5 6 7 8 9 10 11 mm", "--heights-up", "0 2 5 9 mm"]
 
 
+@pytest.mark.exhaustive
 def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     """These strokes draw with at most 1.4, 1.5 and 1.6 MN, and strip with up to 90 kN."""
     arguments = [str(RECORDS / "stroke.csv"), *COLUMNS, *HEIGHTS, "--friction", "crank,gibs", "--cylinder", "--out", str(tmp_path / "out")]

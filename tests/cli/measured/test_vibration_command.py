@@ -56,6 +56,7 @@ def test_modes_in_a_band_without_a_model(capsys, files):
     assert "calculated" not in out
 
 
+@pytest.mark.exhaustive
 def test_orders_of_a_running_press(capsys, tmp_path):
     """Unbalance once a turn, while the press runs up."""
     time = np.arange(20_000) / 500
@@ -89,7 +90,7 @@ def test_orders_of_a_running_press(capsys, tmp_path):
     assert (out_folder / "orders.csv").read_text().count("\n") > 20
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

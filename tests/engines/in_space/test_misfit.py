@@ -53,6 +53,7 @@ def torques(press, engine="auto", at=AT):
     return pp.inverse_dynamics(press, motion, engine=engine).driving_torque
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("d", [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10])
 def test_torques_of_a_rounded_hinge_are_right_to_its_rounding(d):

@@ -268,6 +268,7 @@ def test_bricard_in_closed_form():
     assert np.abs(rate["J2"] - 2.0 * slope_of_second).max() < 1e-13
 
 
+@pytest.mark.exhaustive
 def test_bricard_locks_at_120_degrees():
     """Where its second pin comes to zero, either way."""
     press = texts.load(bricard())
@@ -320,6 +321,7 @@ def test_a_four_bar_is_the_same_however_it_is_closed(closing, engine):
         assert result.indeterminate[name][1]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_link_that_spins_freely_is_found(seed):
     """A sleeve on a four-bar's rocker that turns about a line through the loop's pin: its joint moves the loop by rounding alone."""

@@ -65,6 +65,7 @@ def lid():
     return SPATIAL.replace("</robot>", f"{link}{hinge}{other}</robot>")
 
 
+@pytest.mark.exhaustive
 def test_a_shut_lid_takes_no_power():
     press, open_press = texts.load(lid()), {"O": Friction(0.1, 0.02), "W": Friction(0.1, 0.02)}
     runs = [pp.simulate(press, 0.1, speed=5.0, friction=friction) for friction in (open_press, open_press | {"A": Friction(0.1, 0.02)})]

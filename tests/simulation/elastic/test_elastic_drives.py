@@ -32,6 +32,7 @@ def test_steady_state_becomes_that_of_the_rigid_press():
     assert errors[-1][0] < 1e-6 * SPEED
 
 
+@pytest.mark.exhaustive
 def test_blanking_under_a_motor():
     """The energy balances over the stroke, and within it; the press slows down as it must, and a marched run repeats the stroke."""
     run, rigid = steady(), steady(None)

@@ -39,6 +39,7 @@ def test_friction_becomes_that_of_the_rigid_press():
     np.testing.assert_allclose(np.divide(*errors), 2.0, rtol=0.1)
 
 
+@pytest.mark.exhaustive
 def test_a_press_with_friction_under_its_motor():
     given: Any = {"drive": induction(), "flywheel": pp.drives.Flywheel(40.0), "friction": FRICTION, "points": 121}
     rigid = pp.steady_state(jf75g(), SPEED, **given)

@@ -187,6 +187,7 @@ def test_methods_and_steps_of_rigid_motions_are_refused(given):
         pp.simulate(press, 0.1, drive=pp.drives.PrescribedSpeed(31.4), elastic=pp.elasticity.Elastic(stiffness_of(press)), **given)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("height", [0.001, 0.003, 0.006])
 def test_a_run_that_begins_on_the_way_up_is_stripped_from_where_it_begins(height):
     """Below the blank, within it and above it: force times the way that is left in it. On the way up a blank is not cut."""
