@@ -27,17 +27,13 @@ def installed(session: nox.Session, extra: str = "test") -> None:
 
 @nox.session
 def check(session: nox.Session) -> None:
-    """Run linter, types, import layers and all tests, the long ones too; words behind -- go to pytest in place of both runs of tests."""
+    """Run linter, types, import layers and all tests, the long ones too; words behind -- go to pytest in place of all tests."""
     installed(session)
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
     session.run("mypy")
     session.run("lint-imports", "--no-cache")
-    if session.posargs:
-        session.run("python", "-m", "pytest", *session.posargs)
-        return
-    session.run("python", "-m", "pytest")
-    session.run("python", "-m", "pytest", "-m", "exhaustive")
+    session.run("python", "-m", "pytest", *(session.posargs or ["-m", ""]))
 
 
 @nox.session(default=False)

@@ -50,7 +50,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Thousands of collected tests stay to the end: the garbage collector need not look through them again and again."""
+    """Thousands of collected tests stay to the end: the garbage collector need not look through them again and again.
+
+    Options that came by the environment are read by now, and are not those of runs that tests start.
+    """
+    os.environ.pop("PYTEST_ADDOPTS", None)
     gc.collect()
     gc.freeze()
 

@@ -255,7 +255,7 @@ def test_relative_results_do_not_depend_on_size_and_mass():
     assert np.max(found[0], axis=0)[0] < -0.01
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(9)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that it turns too fast
 @pytest.mark.parametrize("criterion", [X, TORQUE, Rms("shaking_force"), Peak("bearing_force", bearing="D")], ids=lambda m: m.words)
 @pytest.mark.parametrize("change", ["two states", "many states", "1e6 r/min", "0.7 r/min", "1e-9 kg", "1e9 kg", "1e-9 m", "10 m"])

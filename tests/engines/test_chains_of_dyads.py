@@ -174,7 +174,7 @@ def judged(press, motion, loads=()):
     return found
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_dyad(kind):
     drawing, driver, dyads = KINDS[kind]

@@ -122,6 +122,7 @@ def test_dense_equations(case):
         assert np.abs(jacobian @ found + drift).max() <= 1e-10 * np.abs(drift).max() + 1e-10 * np.abs(found).max()
 
 
+@pytest.mark.one_in(4)
 def test_inverse_dynamics(case):
     """The motion's own accelerations under the torque that inverse dynamics says, with a load on a link; 1e-9 of the peak."""
     press, motion = case.press, case.motion

@@ -163,7 +163,7 @@ ROUNDED_RINGS = [
 ]
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize(("exact", "text", "missed"), ROUNDED_RINGS)
 def test_forward_dynamics_and_its_derivatives(exact, text, missed):
