@@ -295,7 +295,7 @@ class Design:
     @cached_property
     def _reactions(self) -> TrialReactions:
         wrenches, press = self._wrenches, self.press
-        shaken = shaking(press, self.motion, wrenches.force, wrenches.moment, apply(wrap_laws(self.start.loads), press, self.motion))
+        shaken = shaking(press, self.motion, wrenches, apply(wrap_laws(self.start.loads), press, self.motion))
         names = press.bearings
         return TrialReactions(
             wrenches.torque[0], shaken[0], NamedArrays(names, wrenches.force), NamedArrays(names, wrenches.moment), shaken[1]
