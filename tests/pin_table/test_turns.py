@@ -36,7 +36,8 @@ gears: {O: -2 * V}
 drive: V
 """
 TABLES = {name: template(name).decode() for name in TEMPLATES} | {"geared": KNEE}
-WITHOUT_SENSE = ("toggle", "rssp")  # a driver that slides, and one about an axis that its table gives: no sense in the picture
+# A driver that slides, and two about axes that their tables give: no sense in the picture.
+WITHOUT_SENSE = ("toggle", "screw", "rssp")
 
 
 def built(text, folder, turns=None):

@@ -2,7 +2,18 @@
 
 from importlib.resources import files
 
-TEMPLATES = ("crank-slide", "knuckle", "link-drive", "drawing-8-bar", "eccentric-block", "guide-bar", "toggle", "hypocycloid", "rssp")
+TEMPLATES = (
+    "crank-slide",
+    "knuckle",
+    "link-drive",
+    "drawing-8-bar",
+    "eccentric-block",
+    "guide-bar",
+    "toggle",
+    "hypocycloid",
+    "screw",
+    "rssp",
+)
 
 
 def template(name: str) -> bytes:
