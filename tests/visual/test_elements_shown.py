@@ -84,3 +84,37 @@ def test_thread_has_its_lead_and_hand():
     angle = np.unwrap(np.arctan2(stations[:, 1], stations[:, 0]))
     assert np.polyfit(angle, stations[:, 2], 1)[0] == pytest.approx(0.2 / (2 * np.pi), rel=1e-9)
     assert np.hypot(stations[:, 0], stations[:, 1]).mean() == pytest.approx(0.15, rel=0.1)
+
+
+def test_roller_touches_its_cam():
+    """At all crank angles the profile comes as near to the roller's centre as its radius; its corners are a 400th of a turn apart."""
+    table = {
+        "frame": "O",
+        "pins": {"O": [0, 0], "P": [0, -60], "W": {"P": 260, "x": 0, "side": "down"}, "E": [0, 110]},
+        "links": {
+            "crank": {"pins": "O P", "mass": 20},
+            "rod": {"pins": "P W", "mass": 15},
+            "slide": {"pins": "W", "guide": "up", "mass": 90},
+            "ejector": {"pins": "E", "guide": "up", "mass": 12},
+        },
+        "drive": "O",
+        "cams": {
+            "cam": {
+                "cam": "crank",
+                "follower": "ejector",
+                "radius": 110,
+                "roller": "40 x 30",
+                "law": [[0, 0], [120, 0], {"modified sine": [220, 40]}, [250, 40], {"3-4-5": [350, 0]}],
+            }
+        },
+    }
+    press = pp.build(**table, units="mm")
+    motion = pp.cycle(press, speed=1.0, points=12)
+    parts = {body.name: body.parts for body in bodies(press, motion.joint_position)}
+    (cam,) = (part for part in parts["crank"] if isinstance(part.shape, TriangleMesh))
+    (roller,) = (part for part in parts["ejector"] if getattr(part.shape, "radius", 0.0) == 0.02)
+    crank, ejector = (press.placements(link, motion.crank_angle) for link in ("crank", "ejector"))
+    for k in range(12):
+        profile = (crank[k] @ cam.placement)[:3] @ np.column_stack([cam.shape.vertices, np.ones(len(cam.shape.vertices))]).T
+        away = profile - (ejector[k] @ roller.placement)[:3, 3:]
+        assert np.hypot(away[0], away[2]).min() == pytest.approx(0.02, abs=5e-5)

@@ -26,6 +26,7 @@ SPINDLE = 0.5  # radius of a screw without a diameter
 HUB, SHAFT = 0.9, 0.36  # largest radii of hub and shaft of a gear
 # shares of a radius
 RING, HUB_SHARE = 0.07, 0.3  # width of a pitch circle, and radius of the hub of a small one
+BORE = 0.6  # radius of the bore of a cam, through which its link is seen
 AROUND = 96  # corners of a circle
 TEETH = 18  # teeth of a rack within a turn of its pinion: it may have no module
 MOST_TURNS = 40  # of a thread that is drawn; a finer one is drawn coarser
@@ -57,7 +58,9 @@ def element_solids(press: Linkage, layout: BearingLayout, shown: Sequence[Array]
     circles = _circles(press, layout)
     cams = [contact for contact in press.contacts if isinstance(contact, CamContact)]
     reaches = [(circle.centre, circle.radius) for circle in circles]
-    reaches += [(_on_body(press, layout, cam.carrier, cam.origin), cam.radius) for cam in cams]
+    for cam in cams:
+        rollers = np.abs(cam.at(np.linspace(0.0, 2 * np.pi, AROUND)).roller)
+        reaches.append((_on_body(press, layout, cam.carrier, cam.origin), float(rollers.max()) + cam.roller_radius))
     height = _height(layout, reaches, shown)
 
     def in_front(point: Array) -> Array:
@@ -186,7 +189,7 @@ def _threaded(at: Array, axis: Array, radius: float, ends: tuple[float, float], 
 
 
 def _cam(press: Linkage, cam: CamContact, layout: BearingLayout, in_front: _Shift) -> Iterator[tuple[str, MadeUpSolid]]:
-    """The plate of a cam, and the roller."""
+    """The plate of a cam, and the roller with its arm."""
     links = press.link_of(cam.first), press.link_of(cam.second)
     origin = _on_body(press, layout, cam.carrier, cam.origin)
     real, imaginary = (_on_body(press, layout, cam.carrier, cam.origin + each) - origin for each in cam.axes)
@@ -197,13 +200,16 @@ def _cam(press: Linkage, cam: CamContact, layout: BearingLayout, in_front: _Shif
     # the profile is where the roller touches; turned back, as the cam sees it
     profile = (states.roller - cam.roller_radius * states.normal) * np.exp(-1j * turn)
     angle, radius = np.angle(profile), np.abs(profile)
-    hub = 0.35 * radius.min()
+    bore = BORE * radius.min()
     placement = _axes(in_front(origin), real, np.cross(real, imaginary))
-    sections = [_section(a, (hub, r), (-thick / 2, thick / 2)) for a, r in zip(angle, radius, strict=True)]
+    sections = [_section(a, (bore, r), (-thick / 2, thick / 2)) for a, r in zip(angle, radius, strict=True)]
     yield links[0], MadeUpSolid(_swept(sections, closed=True), placement)
-    at = states.roller[0]
-    roller = in_front(origin + at.real * real + at.imag * imaginary)
+    roller = in_front(origin + states.roller[0].real * real + states.roller[0].imag * imaginary)
     yield links[1], MadeUpSolid(Cylinder(cam.roller_radius, 1.3 * thick), _axes(roller, real, np.cross(real, imaginary)), steel=True)
+    if cam.arm:
+        along = in_front(origin + cam.distance * real) - roller
+        bar = Box((cam.arm, cam.roller_radius, thick))
+        yield links[1], MadeUpSolid(bar, _axes(roller + along / 2 + 1.2 * thick * placement[:3, 2], along / cam.arm, placement[:3, 2]))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- places
