@@ -175,8 +175,8 @@ def test_tools_of_contributors_have_the_versions_of_the_continuous_integration()
 def test_sessions_of_nox_run_what_the_continuous_integration_runs() -> None:
     ci = text(".ci/run").replace(".venv-test/bin/", "")
     said = [" ".join(re.findall(r'"([^"]+)"', line)) for line in re.findall(r"session\.run\((.*)\)", text("noxfile.py"))]
-    for command in ("ruff check .", "ruff format --check .", "mypy", "lint-imports --no-cache", "python -m pytest -m exhaustive"):
-        assert command in said
+    for command in ("ruff check .", "ruff format --check .", "mypy", "lint-imports --no-cache", "python -m pytest"):
+        assert any(line.startswith(command) for line in said)
         assert command in ci
 
 
