@@ -118,11 +118,10 @@ class DrawnPress(Tabular):
         try:
             return load_document(self._document(), None, slide, gravity, in_file=False, command=command)
         except UrdfError as error:
-            for element in self.parts.elements:
-                if error.element == f'<{element.tag} name="{element.name}">':  # as `Document.called` names it
-                    entry, path = element.entry, ": ".join(element.entry.path)
-                    raise PinTableError(entry.file, entry.line, path, error.problem, error.remedy) from error
-            raise
+            entry = self._elements.get(error.element)
+            if entry is None:
+                raise
+            raise PinTableError(entry.file, entry.line, ": ".join(entry.path), error.problem, error.remedy) from error
 
     def check(self, slide: str | None = None) -> CheckResult:
         """Check how the press moves, and list all errors, doubts and notes, as `pinpress.check` does.
@@ -131,8 +130,17 @@ class DrawnPress(Tabular):
             slide: as for `load`.
         """
         result = check_document(self.file, self._document(), slide=slide, in_file=False)
-        findings = (replace(finding, line=None) for finding in result.findings)  # the lines belong to a URDF that the user has not seen
+        findings: list[Finding] = []
+        for each in result.findings:  # their lines belong to a URDF that the user has not seen
+            entry = self._elements.get(each.element)
+            element, line = (each.element, None) if entry is None else (": ".join(entry.path), entry.line)
+            findings.append(replace(each, element=element, line=line))
         return replace(result, findings=Records(Finding, findings))
+
+    @property
+    def _elements(self) -> dict[str | None, Entry]:
+        """Entries of machine elements, by what messages about their URDF call them (`Document.called`)."""
+        return {f'<{each.tag} name="{each.name}">': each.entry for each in self.parts.elements}
 
     def _document(self, file: str | None = None, urdf: bytes | None = None) -> Document:
         """A URDF of this press, or the one that was written to a file; links with estimated moments of inertia are marked."""

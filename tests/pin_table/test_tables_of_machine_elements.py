@@ -144,6 +144,9 @@ def test_what_does_not_mesh_is_refused_at_its_line(table, message, tmp_path):
     (tmp_path / "press.yaml").write_text(yaml.safe_dump(table | {"press": "press"}, sort_keys=False, default_flow_style=True, width=10**6))
     with pytest.raises(pp.PinTableError, match=r"press.yaml:1: \w+: \w+: "):
         pp.build(tmp_path / "press.yaml")
+    (finding,) = draft(tmp_path / "press.yaml").check().errors
+    assert finding.line == 1
+    assert re.fullmatch(r"\w+: \w+", finding.element)
 
 
 # Angles of the ring, and by them the angles of the crank and the positions of the slide, by an independent program.
