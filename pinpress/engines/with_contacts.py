@@ -11,7 +11,7 @@ first every `Rubbing`, then every contact with a push. A row of a contact has th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,9 +24,6 @@ from .friction import FrictionLaw
 from .sharing import share
 from .structure import Structure
 from .wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Wrenches
-
-Balance = Callable[[Sequence[AppliedForce]], BearingLoads]
-"""The bearings and the efforts of relations under these loads in addition."""
 
 
 def friction_law(arm: Array, viscous: Array, preload: Array, structure: Structure) -> FrictionLaw | None:
@@ -75,15 +72,12 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
     friction = np.concatenate([0.0 - efforts[: placed.bearings] * speeds[: placed.bearings], placed.lost(efforts, speeds)])
     if not bearings:
         return Wrenches(result.torque, result.relations, friction, result.force, result.moment)
-    relations = [contact.relation for contact in structure.contacts]
-    by_effort = placed.efforts(lambda loads: engine.bearing_loads(states, acting.under(loads, acting.friction), states.v), result.relations)
-    if law is None:
-        efforts = np.concatenate([rows[: placed.bearings + len(placed.rubbings)], np.abs(by_effort[placed.pushing])])
-        acting = conditions.under(placed.rubbing(efforts), rows[: placed.bearings])
-    pushed = placed.loads(by_effort)
+    by_effort = placed.efforts(acting, states.v, result.relations)
+    by_size = np.abs(by_effort) if law is None else placed.pushes(efforts)
+    pushed = placed.loads(by_effort, by_size)
     found = engine.inverse_dynamics(states, acting.under(pushed, acting.friction), bearings=True)
-    found.relations[relations] += by_effort
-    force, moment = placed.of_first_on_second(by_effort, efforts)
+    found.relations[placed.relations] += by_effort
+    force, moment = placed.of_first_on_second(by_effort, by_size, efforts)
     return Wrenches(
         torque=result.torque,
         relations=found.relations,
@@ -111,8 +105,7 @@ def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray
     marks, relations = engine.indeterminate(position, axes)
     contacts, still = engine.structure.contacts, np.zeros_like(position)
     marks = np.concatenate([marks, np.zeros((len(contacts), 6), dtype=bool)])
-    own = [contact.relation for contact in contacts]
-    if not relations[own].any():
+    if not relations[[contact.relation for contact in contacts]].any():
         return marks, relations
     states = ClosedStates(position, still, still)
     placed = _Placed(engine, states)
@@ -121,12 +114,12 @@ def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray
         return engine.inverse_dynamics(states, AppliedConditions(list(loads), None, None), bearings=True)
 
     start, size = loaded(()), sum(float(inertia.mass) for inertia in engine.structure.model.inertias) or 1.0  # so that few digits are lost
-    found = [loaded(placed.loads(single)) for single in placed.singles(size)]
-    residuals = np.array([each.relations[own] - start.relations[own] for each in found]).transpose(2, 1, 0) / size
+    found = [loaded(placed.loads(single, 0.0 * single)) for single in placed.singles(size)]
+    residuals = np.array([(each.relations - start.relations)[placed.relations] for each in found]).transpose(2, 1, 0) / size
     tolerance, length = engine.structure.rank_tolerance, engine.structure.size
-    idle = np.eye(len(own)) - np.linalg.pinv(residuals, rcond=tolerance) @ residuals  # (n, contacts, idle)
+    idle = np.eye(len(contacts)) - np.linalg.pinv(residuals, rcond=tolerance) @ residuals  # (n, contacts, idle)
     unrubbed = np.zeros((placed.bearings + placed.rows, len(position[0])))
-    in_contacts = [placed.of_first_on_second(single, unrubbed) for single in placed.singles(1.0)]
+    in_contacts = [placed.of_first_on_second(single, 0.0 * single, unrubbed) for single in placed.singles(1.0)]
     for place, name, unit in ((0, "force", 1.0 / length), (3, "moment", 1.0)):
         changes = np.array([(getattr(each, name) - getattr(start, name)) / size for each in found])
         changes = np.concatenate([changes, np.array([each[place // 3] for each in in_contacts])], axis=1)
@@ -155,6 +148,7 @@ class _Placed:
     def __init__(self, engine: Engine, states: ClosedStates) -> None:
         self.engine, self.states = engine, states
         self.structure, self.contacts = engine.structure, engine.structure.contacts
+        self.relations = [contact.relation for contact in self.contacts]
         self.units = [contact.wrench(states.position) for contact in self.contacts]
         self.bearings = len(states.v) + len(self.structure.loops)
         self.rubbings = list(_rubbings(self.structure))
@@ -171,13 +165,19 @@ class _Placed:
         )
         self.origin = {0: np.zeros((n, 3))} | dict(zip(self.bodies, motion.origin.transpose(0, 2, 1), strict=True))
 
-    def loads(self, by_effort: Array) -> list[AppliedForce]:
-        """What efforts of the contacts do to their bodies, without pushes."""
+    def loads(self, by_effort: Array, by_size: Array) -> list[AppliedForce]:
+        """What contacts do to their bodies by their efforts, and by the sizes (contacts, n) of what pushes apart."""
         return self._on_bodies(
-            (contact, body, unit.point, unit.force * effort, unit.couple * effort)
-            for contact, own, effort in zip(self.contacts, self.units, by_effort[..., None], strict=True)
+            (contact, body, unit.point, unit.force * effort + unit.push * size, unit.couple * effort)
+            for contact, own, effort, size in zip(self.contacts, self.units, by_effort[..., None], by_size[..., None], strict=True)
             for body, unit in contact.actions(own)
         )
+
+    def pushes(self, efforts: Array) -> Array:
+        """Sizes (contacts, n) of what pushes apart, from its rows of the efforts of friction."""
+        sizes = np.zeros((len(self.contacts), efforts.shape[1]))
+        sizes[self.pushing] = efforts[self.bearings + len(self.rubbings) :]
+        return sizes
 
     def singles(self, size: float) -> Iterator[Array]:
         """Efforts of every contact alone."""
@@ -187,16 +187,12 @@ class _Placed:
             yield single
 
     def rubbing(self, efforts: Array) -> list[AppliedForce]:
-        """What friction and pushes in contacts do to bodies."""
-        return self._on_bodies(self._rubbing(efforts[self.bearings :, :, None]))
-
-    def _rubbing(self, efforts: Array) -> Iterator[tuple[Contact, int, Array, Array, Array]]:
-        for (contact, rubbing), owner, effort in zip(self.rubbings, self.owners, efforts, strict=False):
-            for body, sign in ((rubbing.second, effort), (rubbing.first, -effort)):
-                yield contact, body, self.units[owner].point, rubbing.force * sign, rubbing.couple * sign
-        for owner, effort in zip(self.pushing, efforts[len(self.rubbings) :], strict=True):
-            for body, unit in self.contacts[owner].actions(self.units[owner]):
-                yield self.contacts[owner], body, unit.point, unit.push * effort, ORIGIN
+        """What friction in contacts does to bodies."""
+        return self._on_bodies(
+            (contact, body, self.units[owner].point, rubbing.force * signed, rubbing.couple * signed)
+            for (contact, rubbing), owner, effort in zip(self.rubbings, self.owners, efforts[self.bearings :, :, None], strict=False)
+            for body, signed in ((rubbing.second, effort), (rubbing.first, -effort))
+        )
 
     def _on_bodies(self, wrenches: Iterator[tuple[Contact, int, Array, Array, Array]]) -> list[AppliedForce]:
         """Loads of wrenches in the axes of carriers, one a body."""
@@ -220,12 +216,9 @@ class _Placed:
     def bearing_loads(self, conditions: AppliedConditions, efforts: Array, rates: Array) -> tuple[BearingLoads, Array]:
         """`Engine.bearing_loads` with what acts in contacts, and their efforts (contacts, n)."""
         acting = conditions.under(self.rubbing(efforts), efforts[: self.bearings])
-
-        def balance(loads: Sequence[AppliedForce]) -> BearingLoads:
-            return self.engine.bearing_loads(self.states, acting.under(loads, acting.friction), rates)
-
-        by_effort = self.efforts(balance)
-        return balance(self.loads(by_effort)), by_effort
+        by_effort = self.efforts(acting, rates)
+        pushed = self.loads(by_effort, self.pushes(efforts))
+        return self.engine.bearing_loads(self.states, acting.under(pushed, acting.friction), rates), by_effort
 
     def speeds(self, rates: Array) -> Array:
         """Speeds (rows, n) with which contacts rub at joint rates (nv, n)."""
@@ -253,14 +246,12 @@ class _Placed:
             lost[owner] -= efforts[row] * speeds[row]
         return lost
 
-    def of_first_on_second(self, by_effort: Array, efforts: Array) -> tuple[Array, Array]:
+    def of_first_on_second(self, by_effort: Array, by_size: Array, efforts: Array) -> tuple[Array, Array]:
         """Forces and moments (contacts, n, 3) of the first on the second bodies where they touch, those of planets of a single one."""
         n, rows = by_effort.shape[1], efforts[self.bearings :, :, None]
         force, moment = np.zeros((2, len(self.contacts), n, 3))
         for k, (contact, unit, effort) in enumerate(zip(self.contacts, self.units, by_effort[..., None], strict=True)):
-            own, couple = unit.force * effort, unit.couple * effort
-            if k in self.pushing:
-                own = own + unit.push * rows[len(self.rubbings) + self.pushing.index(k)]
+            own, couple = unit.force * effort + unit.push * by_size[k, :, None], unit.couple * effort
             for (_, rubbing), owner, rubbed in zip(self.rubbings, self.owners, rows, strict=False):
                 if owner == k and {rubbing.first, rubbing.second} == {contact.first, contact.second}:
                     sign = 1.0 if rubbing.second == contact.second else -1.0
@@ -268,30 +259,38 @@ class _Placed:
             force[k], moment[k] = self._turned(contact, own / contact.count), self._turned(contact, couple / contact.count)
         return force, moment
 
-    def efforts(self, balance: Balance, relations: Array | None = None) -> Array:
+    def efforts(self, acting: AppliedConditions, rates: Array, relations: Array | None = None) -> Array:
         """Efforts (contacts, n) of the contacts.
 
         Where redundant equations leave them open, the residual efforts in joints come to nothing, and among what is left the bearings are
         loaded as `engines.sharing` says.
 
         Args:
-            balance: of the linkage.
+            acting: what acts besides contacts, without a law.
+            rates: (nv, n) joint rates.
             relations: (relations, n) efforts of relations without contacts, where they are known.
         """
-        own = [contact.relation for contact in self.contacts]
+        own = self.relations
+        if relations is not None and not self.redundant:
+            return np.asarray(relations[own])
+        start = self.engine.bearing_loads(self.states, acting, rates)
         if not self.redundant:
-            return np.asarray((balance(()).relations if relations is None else relations)[own])
-        start = balance(())
+            return np.asarray(start.relations[own])
         count, n = len(own), start.relations.shape[1]
         size = float(np.abs(start.relations[own]).max()) or 1.0
         residuals, forces = np.zeros((count, count, 3, n)), np.zeros((count, self.bearings, 3, n))
         for k, single in enumerate(self.singles(size)):
-            found = balance(self.loads(single))
+            found = self.engine.bearing_loads(self.states, acting.under(self.loads(single, 0.0 * single), acting.friction), rates)
             residuals[k, :, 0] = (found.relations - start.relations)[own] / size
             forces[k] = (found.radial - start.radial).transpose(0, 2, 1) / size
         rest = np.zeros((count, 3, n))
         rest[:, 0] = start.relations[own]
         scale = max([1.0 / self.structure.size, *(float(np.linalg.norm(unit.force, axis=-1).max()) for unit in self.units)])
         idle = np.broadcast_to(np.eye(count)[:, :, None], (count, count, n))
-        shared = share(slice(None), idle, [(residuals, 1.0), (forces, scale)], self.structure.rank_tolerance)
-        return shared.added([rest, start.radial.transpose(0, 2, 1)])
+        radial = start.radial.transpose(0, 2, 1)
+        objectives, starts = [(residuals, 1.0), (forces, scale)], [rest, radial]
+        if acting.compliance is not None:
+            weights = np.sqrt(acting.compliance)
+            objectives.insert(1, (weights[:, None, None] * forces, scale * float(weights.max())))
+            starts.insert(1, weights[:, None, None] * radial)
+        return share(slice(None), idle, objectives, self.structure.rank_tolerance).added(starts)

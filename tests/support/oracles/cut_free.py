@@ -80,7 +80,7 @@ def cut_free(press, motion, i, loads=(), stiffness=None, flanks=None):
             toothed.add(k)
     for k, mesh in enumerate(meshes(press)):
         bodies, (c1, c2), (z1, z2), pressure = _placed(press, data, mesh)
-        axis, between = press.engine().turning_axes()[0], c2 - c1  # planar gears
+        axis, between = press.planarity.normal, c2 - c1
         pitch = c1 + z1 / (z1 + z2) * between
         tangential, own = np.cross(axis, between) / np.linalg.norm(between), (c1 if z1 > 0 else c2) - pitch
         apart = own / np.linalg.norm(own) * (1 if z1 > 0 else -1)  # on the first gear: the outer gear of a pair is pushed to its centre

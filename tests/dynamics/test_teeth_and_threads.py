@@ -180,6 +180,21 @@ def test_one_planet_for_four_and_all_that_are_drawn(engine, efficiencies):
         assert not one.indeterminate[name][[0, 2]].any()
 
 
+@pytest.mark.parametrize("engine", ENGINES[1:])
+@pytest.mark.parametrize("stiffness", [{}, {"P0": 1e8, "P1": 3e8, "P2": 1e8, "P3": 5e8, "S": 1e9, "C": 1e9}, {"P1": 1e7}])
+def test_planets_with_weight_share_by_stiffness(engine, stiffness):
+    """Their weights load them unevenly. Teeth have no pressure angle here: what pushes gears apart is left out where forces are shared."""
+    text = planetary(drawn=4).text.decode().replace("<gear_mesh ", '<gear_mesh carrier="C_body" pressure_angle="0" ')
+    press = load(text, drivers=("S",))
+    motion = pp.servo_cycle(press, angle=[0.3, 1.0], speed=[50.0, 20.0], acceleration=[20.0, 3.0])
+    found = pp.inverse_dynamics(press, motion, stiffness=stiffness, engine=engine)
+    for i in range(2):
+        state = cut_free(press, motion, i, (), stiffness)
+        forces = np.array([found.bearing_force[name][i] for name in press.bearings])
+        np.testing.assert_allclose(forces, state.wrenches[:, :3], rtol=0, atol=1e-11 * np.abs(state.wrenches).max())
+        np.testing.assert_array_equal(np.array([found.indeterminate[name] for name in press.bearings])[:, [0, 2]], state.open[:, [0, 2]])
+
+
 KINDS = ("planetary", "lever gear", "lever gear by a loop")
 SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 20))]
 
