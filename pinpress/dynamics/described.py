@@ -411,7 +411,7 @@ def _gear_pairs(reactions: Reactions) -> Section:
     figures: list[Figure] = []
     for name, torque in at_peaks(reactions).reactions.coupling_torque.items():
         if name not in pairs:
-            continue  # a machine element stands among the bearings
+            continue  # a machine element is listed among the bearings
         unit = "N m" if press.axes[press.relations[pairs[name]].joint].turns else "N"
         figures += [extreme(f"{name}, largest", torque[:, 0], unit, np.argmax, places)]
         figures += [extreme(f"{name}, smallest", torque[:, 0], unit, np.argmin, places)]
@@ -431,7 +431,7 @@ def _bearings(reactions: Reactions, drawn: Reactions, along: Along) -> Section:
     moment = bearing_moments(drawn, along)
     blocks += [] if moment is None else [moment]
     blocks += [peaks_of_bearings(reactions), bearing_table(reactions)]
-    blocks += [element_table(reactions)] if press.contacts else []
+    blocks += [tooth_table(reactions)] if reactions.mesh else []
     for polar in loci(reactions, carrying(press, as_drawn=True)):
         blocks += [replace(polar, note=left_open(reactions, polar.title)), components(drawn, polar.title, along)]
     most = max(sizes, key=lambda name: float(sizes[name].max()))
@@ -499,14 +499,14 @@ def bearing_table(reactions: Reactions) -> Table:
     return Table("bearings_at_peak", title, columns, most=200)
 
 
-def element_table(reactions: Reactions) -> Table:
-    """Of every machine element what its first link does to the second one where this force is largest, and the largest power lost."""
+def tooth_table(reactions: Reactions) -> Table:
+    """Of all teeth and threads what the first link does to the second one where this force is largest, and the largest power lost."""
     places, press, reactions = Places.at_peaks(reactions), reactions._press, at_peaks(reactions).reactions
-    names = [contact.name for contact in press.contacts if contact.name in reactions.bearing_force]
+    found, between = reactions.mesh, {contact.name: (contact.first, contact.second) for contact in press.contacts}
+    names = list(found)
     sizes = {name: np.linalg.norm(reactions.bearing_force[name], axis=1) for name in names}
     at = {name: int(size.argmax()) for name, size in sizes.items()}
     force = max((float(size.max()) for size in sizes.values()), default=0.0)
-    found, between = reactions.mesh, {contact.name: (contact.first, contact.second) for contact in press.contacts}
     columns = [
         Column("", names),
         Column("force of - on", [" - ".join(map(press.link_of, between[name])) for name in names]),
@@ -519,7 +519,7 @@ def element_table(reactions: Reactions) -> Table:
     ]
     lost = [float(found[name].power.max()) for name in names]
     columns += [Column("largest power lost", lost, "W")] if any(lost) else []
-    return Table("elements_at_peak", "Teeth, threads and cams, each at its peak", columns, most=200)
+    return Table("teeth_at_peak", "Teeth and threads, each at its peak", columns, most=200)
 
 
 def left_open(reactions: Reactions, name: str) -> str:

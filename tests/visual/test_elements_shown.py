@@ -3,6 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from support.in_browser import data_in, floats
 
 import pinpress as pp
 from pinpress.visual.shapes.appearance import bodies
@@ -118,3 +119,25 @@ def test_roller_touches_its_cam():
         profile = (crank[k] @ cam.placement)[:3] @ np.column_stack([cam.shape.vertices, np.ones(len(cam.shape.vertices))]).T
         away = profile - (ejector[k] @ roller.placement)[:3, 3:]
         assert np.hypot(away[0], away[2]).min() == pytest.approx(0.02, abs=5e-5)
+
+
+def test_tooth_forces_on_pages(tmp_path):
+    """Arrows at the pitch points, which go round with the carrier, rows of a table, and no second list of gear pairs."""
+    press = pp.build(**PLANETARY, units="mm")
+    motion = pp.cycle(press, speed=5.0, points=60)
+    reactions = pp.inverse_dynamics(press, motion)
+    data = data_in(pp.record(press, motion, tmp_path / "page.html", reactions=reactions))
+    shown = {each["name"]: each for each in data["bearings"]}
+    assert list(shown) == [*press.bearings, "sun_planet", "ring"]
+
+    for name, radius in (("sun_planet", 0.1), ("ring", 0.4)):
+        np.testing.assert_allclose(floats(shown[name]["force"], 3), reactions.bearing_force[name], rtol=1e-6, atol=1e-4)
+        place = floats(data["places"][shown[name]["place"]], 3)
+        turned = motion.joint_position[:, press.joints.index("A")]
+        np.testing.assert_allclose(place[:, [0, 2]], radius * np.column_stack([np.cos(turned), np.sin(turned)]), atol=1e-6)
+    sections = {section.title: section for section in reactions.described()}
+    assert "Gear pairs" not in sections
+    (table,) = (block for block in sections["Bearings and guides"].blocks if block.name == "teeth_at_peak")
+    columns = {column.name: column.cells for column in table.columns}
+    assert columns["force of - on"] == ["sun - planet", "planet - frame"]
+    np.testing.assert_allclose(np.hypot(columns["tangential"], columns["radial"]), columns["peak force"], rtol=1e-12)
