@@ -14,7 +14,7 @@ from ..common.arguments import typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..engines.cams import TURN, CamContact
+from ..engines.machine_elements.cams import TURN, CamContact
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion, blank, finite, is_constant
 from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart

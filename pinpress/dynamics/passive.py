@@ -16,7 +16,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates, Engine
 from ..engines.friction import FrictionLaw
-from ..engines.with_contacts import inverse_dynamics
+from ..engines.machine_elements.forces import inverse_dynamics
 from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..linkage.linkage import Linkage
 from .applied_loads import joint_efforts

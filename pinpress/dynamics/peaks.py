@@ -17,7 +17,7 @@ import numpy as np
 
 from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
-from ..engines.cams import CamContact
+from ..engines.machine_elements.cams import CamContact
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion, is_cycle
 from ..loads import caller_laws

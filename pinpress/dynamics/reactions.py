@@ -2,7 +2,7 @@
 
 `Reactions` says the signs. A spherical loop transmits only the moment of friction. The driving torque is part of the moment of the driver's
 bearing, as the torques of gear pairs and friction are part of the moments of theirs. Where teeth or threads push, as of machine elements,
-and of a shaft that moves a slide, what acts there is no part of any bearing: it pushes on them, see `engines.with_contacts`.
+and of a shaft that moves a slide, what acts there is no part of any bearing: it pushes on them, see `engines.machine_elements.forces`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..engines.energies import power_balance
 from ..engines.engine import Engine
-from ..engines.with_contacts import indeterminate, inverse_dynamics
+from ..engines.machine_elements.forces import indeterminate, inverse_dynamics
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion, blank, filled
 from ..linkage.linkage import Linkage

@@ -18,7 +18,7 @@ MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many ar
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrictionLaw:
-    """The friction of all bearings, joints in Pinocchio's order, then loops; behind them the rows of contacts, see `with_contacts`.
+    """The friction of all bearings, joints in Pinocchio's order, then loops; behind them rows of contacts, see `machine_elements`.
 
     Attributes:
         arm: (bearings,) effort of dry friction by the bearing's radial force: mu r of a pin [m], mu of a guide [-].

@@ -76,8 +76,8 @@ class Wrenches:
     """Driving torques, and the forces and moments of the bearings.
 
     Bearings are the joints in Pinocchio's order, then the loops as declared. Forces and moments are in world axes, the action of parent on
-    child (of link1 on link2). `engines.with_contacts` adds the contacts behind the bearings: the action of the first body on the second,
-    the moment about the point where they touch.
+    child (of link1 on link2). `machine_elements.forces` adds the contacts behind the bearings: the action of the first body on the second
+    one, the moment about the point where they touch.
 
     Attributes:
         torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].

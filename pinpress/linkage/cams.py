@@ -12,9 +12,9 @@ import pinocchio as pin
 
 from ..common.errors import UrdfError, suggestion
 from ..common.quantities import Array
-from ..engines.cams import CamContact, CamLaw, CamPoint, law_problem
 from ..engines.constraints import Curve, Relation
 from ..engines.contacts import ZERO, UnitWrench
+from ..engines.machine_elements.cams import CamContact, CamLaw, CamPoint, law_problem
 from ..engines.structure import axes
 from .element import Element
 

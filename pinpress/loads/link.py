@@ -24,7 +24,7 @@ from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.parameters import Checked, in_declared_units, parameter
 from ..common.quantities import Array
 from ..engines.friction import FrictionLaw
-from ..engines.with_contacts import friction_law
+from ..engines.machine_elements.forces import friction_law
 from .pneumatics import BalanceCylinder
 from .process import ProcessLoad, TimeForce
 

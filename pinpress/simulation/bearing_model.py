@@ -25,7 +25,7 @@ from ..common.numerics import NODES
 from ..common.quantities import Array
 from ..engines.engine import ClosedStates
 from ..engines.friction import MOST_ITERATIONS, FrictionLaw, fixed_point
-from ..engines.with_contacts import bearing_loads
+from ..engines.machine_elements.forces import bearing_loads
 from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion

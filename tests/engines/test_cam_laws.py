@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pinpress.common.motion_laws import VDI_LAWS
-from pinpress.engines.cams import CamContact, CamLaw, CamPoint, law_problem
 from pinpress.engines.constraints import Curve
 from pinpress.engines.contacts import ZERO, UnitWrench
+from pinpress.engines.machine_elements.cams import CamContact, CamLaw, CamPoint, law_problem
 
 RISE, DWELL = np.radians([90.0, 180.0])
 EPS = 1e-5

@@ -13,8 +13,8 @@ from ...common.errors import AssemblyError, PinpressError, SingularityError, Urd
 from ...common.plausibility import UNWEIGHED
 from ...common.quantities import Array
 from ...engines.branch import MOST_TURNS, Branch, predict
-from ...engines.cams import CamContact
 from ...engines.constraints import LoopJoint
+from ...engines.machine_elements.cams import CamContact
 from ...engines.mounting import Mounting, within
 from ...engines.pinocchio.equations import Rows
 from ...engines.planar.model import PARALLEL

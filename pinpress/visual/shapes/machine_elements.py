@@ -14,7 +14,7 @@ import numpy as np
 
 from ...common.frozen import read_only
 from ...common.quantities import Array
-from ...engines.cams import CamContact
+from ...engines.machine_elements.cams import CamContact
 from ...linkage.linkage import Linkage
 from ...linkage.machine_elements import Gears, RackAndPinion, ScrewAndNut, WormAndWheel
 from .bearing_layout import BearingLayout

@@ -17,13 +17,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.quantities import Array
-from .contacts import Contact, Rubbing
-from .engine import ClosedStates, Engine
-from .friction import FrictionLaw
-from .sharing import share
-from .structure import Structure
-from .wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ...common.quantities import Array
+from ..contacts import Contact, Rubbing
+from ..engine import ClosedStates, Engine
+from ..friction import FrictionLaw
+from ..sharing import share
+from ..structure import Structure
+from ..wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Wrenches
 
 
 def friction_law(arm: Array, viscous: Array, preload: Array, structure: Structure) -> FrictionLaw | None:

@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import UnknownNameError
-from ..common.motion_laws import MotionLaw, vdi_law
-from ..common.numerics import polynomial_values, quintics
-from ..common.quantities import Array, ComplexArray
-from .constraints import Curve
-from .contacts import Contact, UnitWrench
+from ...common.errors import UnknownNameError
+from ...common.motion_laws import MotionLaw, vdi_law
+from ...common.numerics import polynomial_values, quintics
+from ...common.quantities import Array, ComplexArray
+from ..constraints import Curve
+from ..contacts import Contact, UnitWrench
 
 TURN = 2 * np.pi
 SAME = 1e-9  # difference of angles [rad], and of lifts or slopes as a share of the largest, that is rounding

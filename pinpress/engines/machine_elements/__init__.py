@@ -1,0 +1,1 @@
+"""Machine elements: what acts in their contacts, and the laws of cams."""
