@@ -346,7 +346,7 @@ class _Drawing:
     def __init__(self, model: pin.Model, loops: Sequence[LoopJoint], near: float) -> None:
         self.model, self.places, self.axes = model, drawn_placements(model), axes(model)
         self.parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
-        self.directions = [self.places[j].rotation @ axis.direction for j, axis in enumerate(self.axes, 1)]
+        self.directions: list[Array] = [self.places[j].rotation @ axis.direction for j, axis in enumerate(self.axes, 1)]
         self.pins = [
             _Pin(model.names[j], (self.parents[j - 1] + 1, j), (place.translation, place.translation), self.directions[j - 1])
             for j, (place, axis) in enumerate(zip(self.places[1:], self.axes, strict=True), 1)
@@ -424,9 +424,17 @@ class _Drawing:
         return result
 
     def way(self, one: int, other: int, axis: Array) -> dict[int, float]:
-        """Coefficients of joints whose sum is the travel of a body against another one, along an axis."""
+        """Coefficients of joints whose sum is the travel of a body against another one, along an axis to which all guides are parallel."""
         between = joints_between(self.parents, one - 1, other - 1).items()
-        return {j: sign * float(self.directions[j] @ axis) for j, sign in between if not self.axes[j].turns}
+        return {j: sign * float(np.sign(self.directions[j] @ axis)) for j, sign in between if not self.axes[j].turns}
+
+    def guide(self, carrier: int, body: int) -> Array | None:
+        """Axis of the guide of a body that moves against a carrier along a line, on it or both on others; None if it does not."""
+        between = list(joints_between(self.parents, carrier - 1, body - 1))
+        own = next((joint for joint in between if body in (joint + 1, self.parents[joint] + 1)), None)
+        if own is None or any(self.axes[j].turns or _across(self.directions[j], self.directions[own]) > ALIGNED for j in between):
+            return None
+        return self.directions[own]
 
 
 def _apart(point: Array, other: Array, axis: Array) -> float:
@@ -648,21 +656,14 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
     links = said.pinion, said.rack
     bodies = pinion, rack = drawing.body(said.pinion), drawing.body(said.rack)
     wanted = drawing.body(said.carrier) if said.carrier else None
-    guides = {}  # joints in v that guide the rack, by the bodies on which they do
-    for joint, moving in enumerate(drawing.axes):
-        ends = drawing.parents[joint] + 1, joint + 1
-        if not moving.turns and rack in ends:
-            guides[ends[1 - ends.index(rack)]] = joint
     centres = drawing.centres(said.pinion)
-    found = [
-        (centre, body) for centre in centres for body in centre.holders if body in guides and body != pinion and wanted in (None, body)
-    ]
+    able = [(centre, body) for centre in centres for body in centre.holders if body != pinion and wanted in (None, body)]
+    found = [(centre, body, guide) for centre, body in able if (guide := drawing.guide(body, rack)) is not None]
     if not found:
-        on = " and ".join(repr(drawing.link(body)) for body in guides) or "no link"
-        problem = f"{_held(drawing, said.pinion, centres)}, and {said.rack!r} is guided on {on}: no link does both"
-        raise _MeshError(problem, "let one link carry the pinion and guide the rack by a prismatic joint")
-    (centre, carrier), *_ = found
-    axis, middle, guide = centre.axis, centre.holders[carrier], drawing.directions[guides[carrier]]
+        problem = f"{_held(drawing, said.pinion, centres)}, and no link that carries the pinion guides {said.rack!r}"
+        raise _MeshError(problem, "let one link carry the pinion and guide the rack along a line")
+    (centre, carrier, guide), *_ = found
+    axis, middle = centre.axis, centre.holders[carrier]
     if abs(axis @ guide) > ALIGNED:
         raise _MeshError("the rack is not guided across the pinion's axis", "turn the axis of its guide, or that of the pinion")
     helix, hand = math.radians(said.helix), 1.0 if said.hand == "right" else -1.0
@@ -674,7 +675,7 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
     side = said.side
     if not side:
         points = [drawing.place(said.rack).translation, *(point for pin_ in drawing.pins for point, _, _ in pin_.seen_from(rack))]
-        off = next((off for point in points if abs(off := float((middle - point) @ left)) > drawing.near), 0.0)
+        off = next((off for point in points if rack and abs(off := float((middle - point) @ left)) > drawing.near), 0.0)
         if not off:
             raise _MeshError("the drawing does not say on which side of the rack the pinion lies", 'write side="left" or side="right"')
         side = "left" if off > 0.0 else "right"

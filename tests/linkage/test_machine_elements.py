@@ -318,6 +318,22 @@ def test_a_rack_rolls_on_its_pinion(load, side, way, outward, axis, up):
     np.testing.assert_allclose(mesh.pitch_point, [outward * up * 0.024, 0, 0], atol=1e-16)
 
 
+def test_a_pinion_between_two_racks_doubles_the_stroke(load):
+    """The axle slides along a rack of the frame, and the pinion moves the rack on the other side twice as far."""
+    text = robot(
+        link("axle") + link("pinion") + link("slide"),
+        guide("drive", "axle") + pin("P", "axle", "pinion") + guide("guide", "slide", (0.05, 0, 0)),
+        '<rack name="still" pinion="pinion" rack="frame" radius="0.05" side="right"/>\n',
+        '<rack name="moving" pinion="pinion" rack="slide" radius="0.05"/>\n',
+        driver="drive",
+    )
+    press = load(text)
+    assert [press.meshes[name].carrier for name in ("still", "moving")] == ["axle", "axle"]
+    assert math.isclose(ratio(press, "drive", "guide"), 2.0, rel_tol=1e-13)
+    with pytest.raises(pp.UrdfError, match="on which side"):  # where the frame's teeth are no drawing says
+        load(text.replace(' side="right"', ""))
+
+
 def test_the_drawing_says_on_which_side_the_pinion_lies(load):
     assert load(ARBOR).meshes["teeth"].side == "left"
     by_module = load(ARBOR.replace('radius="0.024"', 'module="0.004" teeth="12"')).meshes["teeth"]
@@ -525,7 +541,7 @@ REFUSED = [
     (ARBOR, "radius=", 'module="0.004" teeth="12" radius=', "the radius stands there twice"),
     (ARBOR, 'xyz="0.024 0 0"', 'xyz="0 0 0"', "the drawing does not say on which side of the rack the pinion lies; write side"),
     (ARBOR, 'xyz="0 0 1"', 'xyz="0 1 0"', "the rack is not guided across the pinion's axis"),
-    (ARBOR, 'rack="slide"', 'rack="frame"', "no link does both; let one link carry the pinion and guide the rack"),
+    (ARBOR, 'rack="slide"', 'rack="frame"', "no link that carries the pinion guides 'frame'; let one link carry"),
     (SPINDLE, 'lead="0.2"', 'lead="200"', "lead is 200 m a turn; a URDF has metres: 0.2 for 200 mm"),
     (SPINDLE, 'lead="0.2"', 'lead="0"', "its lead is 0"),
     (SPINDLE, 'diameter="0.3" ', "", "it has friction and no diameter"),
