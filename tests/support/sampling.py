@@ -3,8 +3,11 @@
 from collections import defaultdict
 from collections.abc import Iterable
 from typing import Any
+from zlib import crc32
 
 import pytest
+
+IN_TURN = ("engine", "method")  # parameters whose values are ways to the same numbers
 
 
 def rest_exhaustive(cases: Iterable[Any], *always: Any) -> list[Any]:
@@ -13,13 +16,38 @@ def rest_exhaustive(cases: Iterable[Any], *always: Any) -> list[Any]:
 
 
 def sample(items: list[pytest.Item]) -> None:
-    """`pytest.mark.one_in(count)`: of a test's cases the first, and from there each ``count``-th, is not exhaustive."""
+    """Marks cases as exhaustive.
+
+    - Of a test by several engines or methods all but one, which differs from test to test: other tests compare them with each other.
+    - `pytest.mark.one_in(count)`: all but the first of a test's cases, and from there each ``count``-th.
+    """
+    ways: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for item in _short(items):
+        for name, value in _ways(item):
+            if value not in ways[_test(item), name]:
+                ways[_test(item), name].append(value)
+    for item in _short(items):
+        for name, value in _ways(item):
+            every = ways[_test(item), name]
+            if value != every[crc32(_test(item).encode()) % len(every)]:
+                item.add_marker(pytest.mark.exhaustive)
     seen: dict[str, int] = defaultdict(int)
-    for item in items:
-        every = item.get_closest_marker("one_in")
-        if every is None or item.get_closest_marker("exhaustive") is not None:
-            continue
-        test = item.nodeid.partition("[")[0]
-        if seen[test] % every.args[0]:
-            item.add_marker(pytest.mark.exhaustive)
-        seen[test] += 1
+    for item in _short(items):
+        if (every_so_often := item.get_closest_marker("one_in")) is not None:
+            if seen[_test(item)] % every_so_often.args[0]:
+                item.add_marker(pytest.mark.exhaustive)
+            seen[_test(item)] += 1
+
+
+def _short(items: list[pytest.Item]) -> list[pytest.Item]:
+    return [item for item in items if item.get_closest_marker("exhaustive") is None]
+
+
+def _test(item: pytest.Item) -> str:
+    return item.nodeid.partition("[")[0]
+
+
+def _ways(item: pytest.Item) -> list[tuple[str, str]]:
+    """Names and values of the parameters of `IN_TURN`."""
+    parameters = item.callspec.params if hasattr(item, "callspec") else {}
+    return [(name, parameters[name]) for name in IN_TURN if isinstance(parameters.get(name), str)]
