@@ -148,7 +148,7 @@ def _number_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple
     if cam.kind not in KINDS:
         yield f"unknown kind {cam.kind!r}{suggestion(cam.kind, KINDS)}", f"write one of: {', '.join(KINDS)}"
     if cam.center and (cam.offset is not None or cam.arm is not None):
-        yield "the centre of its roller is given twice", "write center, or else offset or arm"
+        yield "the centre of its roller is given twice", "keep its drawn centre, or else offset or arm"
     if guided and cam.arm is not None:
         yield "its follower is in a guide and has no arm", "write offset, the distance of the guide from the axis of the cam"
     if not guided and cam.offset is not None:
@@ -171,7 +171,9 @@ def relation(cam: Cam, document: Document, model: pin.Model) -> Relation:
         UrdfError: the drawing does not suit the cam, or the cam is undercut.
     """
     turning, following = _joints(cam, document, model)
-    sense = _geometry(cam, document, model)["sense"]
+    drawn = _geometry(cam, document, model)
+    _refuse_unreached(cam, document, drawn)
+    sense = drawn["sense"]
     points = _points(cam, bool(axes(model)[following].turns))
     signed = ((point, sense * point.lift, _times(sense, point.slope), _times(sense, point.bend)) for point in points)
     law = CamLaw(tuple(point._replace(lift=lift, slope=slope, bend=bend) for point, lift, slope, bend in signed), cam.tabulated)
@@ -282,14 +284,19 @@ def _geometry(cam: Cam, document: Document, model: pin.Model) -> _Geometry:
     )
 
 
-def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> None:
-    """Raise UrdfError for a roller that does not reach the cam, is drawn elsewhere than the law has it, or undercuts the cam."""
-    if made.arm and not abs(made.distance - made.arm) < made.radius < made.distance + made.arm:
-        problem = f"its arm of {made.arm:g} m, {made.distance:g} m away from the cam, does not reach the radius {made.radius:g} m"
+def _refuse_unreached(cam: Cam, document: Document, drawn: _Geometry) -> None:
+    """Raise UrdfError for a roller that does not reach the radius of the cam."""
+    arm, distance, offset = drawn["arm"], drawn["distance"], drawn["offset"]
+    if arm and not abs(distance - arm) < cam.radius < distance + arm:
+        problem = f"its arm of {arm:g} m, {distance:g} m away from the cam, does not reach the radius {cam.radius:g} m"
         raise _refusal(cam, document, problem, "write a radius between the difference and the sum of these lengths")
-    if not made.arm and not abs(made.offset) < made.radius:
-        problem = f"its radius is {made.radius:g} m, and the centre of the roller passes the cam at {abs(made.offset):g} m"
+    if not arm and not abs(offset) < cam.radius:
+        problem = f"its radius is {cam.radius:g} m, and the centre of the roller passes the cam at {abs(offset):g} m"
         raise _refusal(cam, document, problem, "write a larger radius, or a centre nearer to the line of the guide through the cam")
+
+
+def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> None:
+    """Raise UrdfError for a roller that is led too far or too near, is drawn elsewhere than the law has it, or undercuts the cam."""
     lowest, highest = -made.largest(lambda states: -states.lift)[0], made.largest(lambda states: states.lift)[0]
     if made.start + lowest <= 0.0 or (made.arm and made.start + highest >= np.pi):
         problem = "its lifts lead the roller beyond the line on which it is nearest to or farthest from the cam"

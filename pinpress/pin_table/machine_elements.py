@@ -212,7 +212,7 @@ class _Reader:
     def _cam(self, cam: MachineElement, items: Mapping[str, Entry]) -> MachineElement:
         """A cam with the centre of its roller, if it is drawn, and with its law."""
         if ("law" in items) == ("lifts" in items):
-            cam.entry.refuse("it needs a law, or a table of lifts", f"write one of both: {cams.LAW}")
+            cam.entry.refuse("it needs a law or a table of lifts, one of the two", f"write {cams.LAW}")
         follower = self.links.get(cam.links["follower"])
         points = tuple(cams.points(items, follower is None or follower.guide is not None, self.numbers))
         if "at" not in items:

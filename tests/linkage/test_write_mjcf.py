@@ -265,6 +265,6 @@ def test_teeth_and_threads_are_equalities_that_move_and_drive_alike(name, tmp_pa
 def test_a_cam_is_refused(tmp_path):
     press = texts.shipped("crank_slide")
     cam = Relation("slide_guide", {press.joints.index("slide_guide"): 1.0}, curve=Curve(0, lambda x: (x, x, x)))
-    with pytest.raises(pp.PinpressError, match="MuJoCo has no equality for the curve of joint 'slide_guide'"):
+    with pytest.raises(pp.PinpressError, match="MuJoCo has no cams, such as 'slide_guide'"):
         written(replace(press, relations=(cam,)), tmp_path)
     assert not list(tmp_path.iterdir())

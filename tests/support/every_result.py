@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from support import hammer_hits, texts
+from support import cams, hammer_hits, texts
 from support.generators.machine_elements import meshing
 from support.sweep_points import fails_at_odd
 
@@ -121,6 +121,11 @@ def geared():
     """Reactions of a press with teeth."""
     teeth = pp.build(**meshing(efficiency=0.98))
     return pp.inverse_dynamics(teeth, pp.servo_cycle(teeth, angle=[0.0, -1.0, -2.0], speed=[-5.0] * 3, acceleration=[0.0] * 3))
+
+
+@cache
+def cam_reactions():
+    return pp.inverse_dynamics(cams.press("ejector"), pp.cycle(cams.press("ejector"), SPEED, points=24))
 
 
 @cache
@@ -465,6 +470,7 @@ def made():
             pp.measures.poles(press(), motion(), "rod", "frame"),
             pp.measures.polygons(press(), motion(), 3),
             *pp.measures.grashof(press()),
+            pp.measures.cam(cams.press("ejector"), cam_reactions(), "eject"),
         ),
         *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion()), motor_energy()),
         *(

@@ -590,6 +590,8 @@ def _not_planar(press: Linkage) -> str:
     """Why the planar engine cannot compute a linkage."""
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
+    if curved := [relation.name for relation in press.relations if relation.curve is not None]:
+        return f"it has the cam {curved[0]!r}"
     turning, _, joints, loops = press.planarity
     if turning is None:
         return "no joint turns"

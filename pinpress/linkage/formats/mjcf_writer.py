@@ -16,7 +16,7 @@ import pinocchio as pin
 
 from ...common import files
 from ...common.arguments import typed
-from ...common.errors import PinpressError, caution
+from ...common.errors import caution
 from ...common.quantities import Array
 from ...engines.constraints import LoopJoint, Relation
 from ...engines.mounting import limits
@@ -54,7 +54,7 @@ def write_mjcf(press: Linkage, path: str | os.PathLike[str]) -> Path:
         path: of the file, which should end in ``.xml``.
 
     Raises:
-        PinpressError: a relation that is a curve, such as a cam; the path cannot be written.
+        PinpressError: the press has a cam; the path cannot be written.
 
     Warns:
         PinpressWarning: machine elements, written as ratios of joints; moments of inertia that no body has, which MuJoCo refuses; they are
@@ -65,9 +65,6 @@ def write_mjcf(press: Linkage, path: str | os.PathLike[str]) -> Path:
 
 def mjcf(press: Linkage) -> Iterator[str]:
     """The lines of a linkage as MJCF."""
-    for relation in press.relations:
-        if relation.curve is not None:
-            raise PinpressError(f"{press.name}: MuJoCo has no equality for the curve of joint {relation.name!r}: remove it before writing")
     doubt_machine_elements(press, "MuJoCo")
     closed = press.closed
     drawn = closed if np.abs(closed).max() > DRAWN else np.zeros_like(closed)

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.arguments import LARGEST
-from ...common.errors import caution
+from ...common.errors import PinpressError, caution
 from ...common.quantities import Array
 from .. import description
 from ..document import Document, Origin
@@ -50,7 +50,9 @@ def with_machine_elements(mechanism: Mechanism, press: Linkage) -> Mechanism:
 
 
 def doubt_machine_elements(press: Linkage, program: str) -> None:
-    """Warn of machine elements that a program knows as ratios between joints alone."""
+    """Warn of machine elements that a program knows as ratios between joints alone; raises PinpressError for cams, which are none."""
+    if curves := [relation.name for relation in press.relations if relation.curve is not None]:
+        raise PinpressError(f"{press.name}: {program} has no cams, such as {curves[0]!r}: remove it before writing")
     if names := [contact.name for contact in press.contacts if contact.name]:
         problem = f"{program} has no teeth and threads: {', '.join(names)} became ratios of joints, which move and drive the press alike"
         caution(f"{press.name}: {problem}; their forces on bearings and their losses are in pinpress alone")

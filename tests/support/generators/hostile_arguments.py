@@ -25,7 +25,7 @@ from typing import Any
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
-from support import every_result, texts
+from support import cams, every_result, texts
 from support.every_result import (
     BEAM,
     CAPACITIES,
@@ -370,6 +370,11 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "variation": 0.1,
         "orders": 3,
         "force": Late(lambda: reactions().shaking_force),
+    },
+    "measures.cam": {
+        "press": Late(lambda: cams.press("ejector")),
+        "reactions": Late(lambda: every_result.cam_reactions()),
+        "name": "eject",
     },
     "measures.duty_cycle": {"end": 0.5},
     "measures.poles": {"to": "frame"},
