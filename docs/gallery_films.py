@@ -61,6 +61,11 @@ PRESSES = (
     Shown("drawing-8-bar", "Eight-bar drawing press", "Its speed is nearly constant over the whole draw."),
     Shown("guide-bar", "Guide-bar press", "A block swings a bar, for quick return and an even speed over the draw."),
     Shown(
+        "hypocycloid",
+        "Hypocycloid press",
+        "A planet rolls in a ring with twice its teeth: its pin goes straight, and the guide carries nothing.",
+    ),
+    Shown(
         "jf75g_125_symmetric",
         "Symmetric high-speed press",
         "Two mirrored halves on geared shafts leave no lateral shaking force and no tilting moment.",
@@ -84,7 +89,7 @@ PRESSES = (
 HEAD = """\
 # Gallery
 
-Twelve kinds of presses in a stroke under load, each made from a [job](jobs.md) of a few lines: a [table of pins](pin_table.md), a speed
+Thirteen kinds of presses in a stroke under load, each made from a [job](jobs.md) of a few lines: a [table of pins](pin_table.md), a speed
 and a load. Arrows are the forces of bearings and process, and the force on the floor. `python docs/make.py gallery_films` makes all films.
 """
 
