@@ -138,14 +138,15 @@ class Linkage(Frozen):
         """What a notebook shows: a drawing of the linkage, 60 deg after its drawn pose where one driver turns it as far."""
         from html import escape  # to save start-up time: only notebooks need it
 
-        from .skeleton import skeleton  # to save start-up time: the XML library
+        from .skeleton import pitch_circles, skeleton  # to save start-up time: the XML library
 
         try:
             shown = self.drawn_at(float(self.closed[self.driver_indices[0]]) + np.pi / 3)  # the pose of the file is often a dead centre
         except PinpressError:
             shown = self.drawn_at_home()
         links = [self.link_of(joint) for joint in range(self.model.njoints)]
-        picture = skeleton(shown.model, self.loops, self.axes, links, f"drawing of {self.name}")
+        circles = pitch_circles(shown.model, shown.meshes.values())
+        picture = skeleton(shown.model, self.loops, self.axes, links, f"drawing of {self.name}", circles)
         return f"<div><div>{escape(repr(self)[1:-1])}</div>{picture}</div>"
 
     @property

@@ -5,7 +5,7 @@ A planar linkage is seen along the normal of its plane, one in space from the fr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -15,6 +15,7 @@ import pinocchio as pin
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint
 from ..engines.structure import Axis, drawn_placements
+from .machine_elements import Mesh
 
 WIDTH, HEIGHT, MARGIN = 360.0, 260.0, 34.0  # of the picture [pixels]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito
@@ -33,7 +34,43 @@ class _Bearing(NamedTuple):
     bodies: tuple[int, ...]
 
 
-def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], links: Sequence[str], description: str) -> str:
+class PitchCircle(NamedTuple):
+    """The pitch circle of a gear or a pinion in the drawn pose, in world axes.
+
+    Attributes:
+        link: name of its link.
+        joint: Pinocchio joint whose body the link belongs to.
+        centre: (3,) [m].
+        axis: (3,) unit vector.
+        radius: [m].
+    """
+
+    link: str
+    joint: int
+    centre: Array
+    axis: Array
+    radius: float
+
+
+def pitch_circles(model: pin.Model, meshes: Iterable[Mesh]) -> list[PitchCircle]:
+    """Pitch circles of gears and pinions, which mesh in the drawn pose of a model; one for each mesh of a gear."""
+    places, circles = drawn_placements(model), []
+    for mesh in meshes:
+        for link, centre, axis, radius in zip(mesh.links, mesh.held, mesh.axes, mesh.radii, strict=False):
+            frame = model.frames[model.getFrameId(link, pin.BODY)]
+            turned = places[frame.parentJoint].rotation @ frame.placement.rotation @ axis
+            circles.append(PitchCircle(link, int(frame.parentJoint), centre, turned, radius))
+    return circles
+
+
+def skeleton(
+    model: pin.Model,
+    loops: Sequence[LoopJoint],
+    axes: Sequence[Axis],
+    links: Sequence[str],
+    description: str,
+    circles: Sequence[PitchCircle] = (),
+) -> str:
     """SVG of a linkage in its drawn pose.
 
     Args:
@@ -42,13 +79,17 @@ def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis],
         axes: of the moving joints, each in the frame of its joint.
         links: name of the body of each Pinocchio joint, that of the frame first.
         description: for readers who do not see the picture.
+        circles: pitch circles, of which those are drawn that lie in the plane of the picture.
     """
     places = drawn_placements(model)
     bearings = _bearings(model, loops, axes, places)
     directions = [places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1)]
     guided = {joint: directions[joint - 1] for joint, axis in enumerate(axes, 1) if not axis.turns}
     right, up = _view(directions, axes)
-    points = _onto_sheet(np.array([bearing.point for bearing in bearings]) @ np.array([right, up]).T)
+    seen = [circle for circle in circles if np.linalg.norm(np.cross(circle.axis, np.cross(right, up))) < PARALLEL]
+    around = [circle.centre + circle.radius * way for circle in seen for way in (right, -right, up, -up)]
+    onto_sheet = np.array([*(bearing.point for bearing in bearings), *around]) @ np.array([right, up]).T
+    points, ends = np.split(_onto_sheet(onto_sheet), [len(bearings)])
     size = {"width": f"{WIDTH:g}", "height": f"{HEIGHT:g}", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}"}
     style = {"font-family": "sans-serif", "font-size": "11", "fill": "currentColor", "role": "img", "aria-label": description}
     root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **style})
@@ -59,6 +100,11 @@ def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis],
         carrier = int(model.parents[joint])
         if carrier and len(corners[joint]) and len(corners[carrier]):
             _connection(root, corners[carrier].mean(axis=0), corners[joint].mean(axis=0), COLOURS[(carrier - 1) % len(COLOURS)])
+    for circle, (east, west, *_) in zip(seen, ends.reshape(-1, 4, 2), strict=True):
+        (x, y), radius = (east + west) / 2, float(east[0] - west[0]) / 2
+        colour = COLOURS[(circle.joint - 1) % len(COLOURS)] if circle.joint else "currentColor"
+        look = {"fill": "none", "stroke": colour, "stroke-width": "1.5", "stroke-dasharray": "8 3 2 3"}  # as pitch circles are drawn
+        SubElement(root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius:.1f}", **look})
     for joint, link in enumerate(links[1:], 1):
         colour = COLOURS[(joint - 1) % len(COLOURS)]
         if joint in guided and len(corners[joint]):

@@ -35,6 +35,7 @@ from ..kinematics.servo_motion import servo_cycle
 from ..linkage.document import Document, Finding, check_command
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_document
+from ..linkage.skeleton import PitchCircle, pitch_circles
 from ..visual.shapes.appearance import ShownLink, bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, Numbers, formula, parameters_of
@@ -98,7 +99,12 @@ class DrawnPress(Tabular):
     @cached_property
     def sketch(self) -> str:
         """Draw the drawn pose with its dimensions, as SVG."""
-        return sketch_of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
+        circles: list[PitchCircle] = []
+        with suppress(PinpressError):  # a table that makes no press can be drawn
+            if self.parts.elements:
+                press = self.press()
+                circles = pitch_circles(press.model, press.meshes.values())
+        return sketch_of_parts(self.name, self.parts, UNITS[self.unit], self.unit, circles)
 
     def _repr_html_(self) -> str:
         return f"<div>{self.sketch}{super()._repr_html_()}</div>"

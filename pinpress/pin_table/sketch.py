@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from ..common.quantities import Array
+from ..linkage.skeleton import PitchCircle
 from .copies import Parts
 from .links import Link
 from .placement import Pin, UnreachableError
@@ -22,9 +23,17 @@ TEXT = "font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-
 STYLE = f".{CLASS} text{{{TEXT}}}.{CLASS} .dimension{{font-size:12px;fill:#57606a}}"
 
 
-def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
-    """Draw the drawn pose of a press: links as bars and plates, pins with their names, lengths in the table's unit."""
-    sheet = _Sheet([pin.point[[0, 2]] for pin in parts.pins.values()], f"{name}: drawn pose, lengths in {unit_name}")
+def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str, circles: Sequence[PitchCircle] = ()) -> str:
+    """Draw the drawn pose of a press: links as bars and plates, pins with their names, lengths in the table's unit; and the pitch
+    ``circles`` that lie in the plane of the sketch."""
+    flat = [circle for circle in circles if abs(circle.axis[1]) > 1 - 1e-9]
+    ways = np.array([[1, 0, 0], [-1, 0, 0], [0, 0, 1], [0, 0, -1]])
+    spread = [pin.point for pin in parts.pins.values()]
+    spread += [circle.centre + circle.radius * way for circle in flat for way in ways]
+    sheet = _Sheet([point[[0, 2]] for point in spread], f"{name}: drawn pose, lengths in {unit_name}")
+    colours = {link.name: COLOURS[k % len(COLOURS)] for k, link in enumerate(parts.links)}
+    for circle in flat:
+        sheet.circle(circle.centre[[0, 2]], circle.radius, "", colours.get(circle.link, INK), "12 4 3 4")
     for k, link in enumerate(parts.links):
         sheet.link(link, parts.pins, COLOURS[k % len(COLOURS)])
     for k, link in enumerate(parts.links):  # a block that is drawn later would cover the name of the crank below it
@@ -117,12 +126,14 @@ class _Sheet:
             SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "6", **look})
             self._label(x + 11, y - 9, ", ".join(names), None)
 
-    def circle(self, centre: Array, radius: float, words: str) -> None:
-        """A circle about a pin."""
+    def circle(self, centre: Array, radius: float, words: str, colour: str = WRONG, dashes: str = "") -> None:
+        """A circle about a pin, with words above it."""
         (x, y), size = self.at(centre), radius * self.scale
         circle = {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{size:.1f}"}
-        SubElement(self.root, "circle", {**circle, "fill": "none", "stroke": WRONG, "stroke-width": "2"})
-        self._label(x, y - size - 6, words, WRONG)
+        dashed = {"stroke-dasharray": dashes} if dashes else {}
+        SubElement(self.root, "circle", {**circle, "fill": "none", "stroke": colour, "stroke-width": "2", **dashed})
+        if words:
+            self._label(x, y - size - 6, words, colour)
 
     def line(self, point: Array, way: Array) -> None:
         """A straight line across the sheet."""

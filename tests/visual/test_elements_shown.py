@@ -1,5 +1,7 @@
 """Gears, racks and screws in pictures: pitch circles that touch, in front of the links, with marks that turn; teeth and threads."""
 
+import re
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -141,3 +143,15 @@ def test_tooth_forces_on_pages(tmp_path):
     columns = {column.name: column.cells for column in table.columns}
     assert columns["force of - on"] == ["sun - planet", "planet - frame"]
     np.testing.assert_allclose(np.hypot(columns["tangential"], columns["radial"]), columns["peak force"], rtol=1e-12)
+
+
+def test_pitch_circles_of_sketches():
+    """In the sketch of a table and in a notebook's drawing they have the ratio of their teeth, and touch."""
+    table = pp.pin_table.draft(**PLANETARY, units="mm")
+    for drawing in (table.sketch, table.press()._repr_html_()):
+        found = re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="([\d.]+)"[^>]*stroke-dasharray', drawing)
+        sun, planet, _, ring = np.array(found, dtype=float)  # the planet meshes twice
+        assert planet[2] / sun[2] == pytest.approx(1.5, abs=0.02)
+        assert ring[2] / sun[2] == pytest.approx(4.0, abs=0.02)
+        assert np.hypot(*(planet - sun)[:2]) == pytest.approx(planet[2] + sun[2], abs=0.2)
+        assert np.hypot(*(planet - ring)[:2]) == pytest.approx(ring[2] - planet[2], abs=0.2)
