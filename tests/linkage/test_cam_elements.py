@@ -8,7 +8,7 @@ from support import cams
 from support.texts import file, load
 
 import pinpress as pp
-from pinpress.engines.cams import CamContact
+from pinpress.engines.machine_elements.cams import CamContact
 
 LAW = '<point angle="0" lift="0"/><point angle="90" lift="0.04" law="3-4-5"/><point angle="180" lift="0.04"/>'
 BACK = '<point angle="270" lift="0" law="3-4-5"/>'

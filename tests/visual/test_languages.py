@@ -21,7 +21,7 @@ OTHERS = [code for code in languages.LANGUAGES if code != "en"]
 UNITS = {"deg", "kHz", "kWh", "min", "MPa", "rad"}
 OWN = {"CSV", "JavaScript", "MAC", "SHA", "Shift", "spm", "URDF", "WebGL", "pinpress", "cycle", "simulate", "points", "modes"}
 OWN |= {"ANSI", "CFR", "Dpf", "IDEC", "ISO", "OSHA", "Rockwell", "SICK"}
-PARTS = {"coupler", "crank", "foot", "frame", "gears", "hip", "rocker", "rod", "slide", "slide_guide"}  # names of links and bearings
+PARTS = {"coupler", "crank", "eject", "foot", "frame", "gears", "hip", "rocker", "rod", "slide", "slide_guide"}  # links and bearings
 PLACE = re.compile(r"\{\d?\}")
 
 
