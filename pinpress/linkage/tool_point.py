@@ -73,6 +73,7 @@ def _holding_pins(press: Any) -> dict[str, Array]:
     joints = [(name, parents[joint], joint) for joint, name in enumerate(press.joints, 1)]
     loops = [(loop.name, loop.joint1, loop.joint2) for loop in press.loops]
     geared = [("", pair.leader + 1, pair.follower + 1) for pair in press.couplings]
+    geared += [("", contact.first, contact.second) for contact in press.contacts]
     driving, grows = {joint + 1 for joint in press.driver_indices}, True
     while grows:  # bodies that are connected with a driver's other than by the frame or the slide
         reached = {body for _, *ends in (*joints, *loops, *geared) if driving & set(ends) - {0, slide} for body in ends}

@@ -605,6 +605,7 @@ def test_check_lists_elements_below_the_bearings(tmp_path):
     (teeth,) = (each for each in pp.check(path).facts.closings if each.name == "teeth")
     assert (teeth.type, teeth.between) == ("gear mesh", ("ring", "rod"))
     assert "teeth   gear mesh        ring - rod      closed" in str(pp.check(path))
+    assert pp.load(path).tool.name == "pin C"  # the ring drives the rod by its teeth
 
 
 def test_presses_with_other_teeth_are_told_apart(load):
