@@ -36,6 +36,7 @@ WORDS = {"gears": "gear mesh", "rack": "rack", "screw": "screw", "worm": "worm",
 
 COINCIDE = 1e-6  # points of one axis are apart by less, as files round them [lengths of the linkage]
 DEVIATE = 1e-3  # the same in a linkage whose lengths deviate
+SHIFTED = 1.5  # most by which profile shift moves axes, of both gears together, before teeth become pointed or are cut away [modules]
 ALIGNED = 1e-6  # sine of the angle up to which axes count as parallel or at a right angle
 
 
@@ -542,7 +543,7 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
         module = said.module
         nominal = 0.5 * module * abs(z1 + z2) / math.cos(helix)
         cosine = nominal * math.cos(pressure) / distance
-        if cosine >= 1.0 or abs(distance - nominal) > 2.5 * module:  # profiles are shifted by a module and a quarter at most
+        if cosine >= 1.0 or abs(distance - nominal) > SHIFTED * module:
             raise _MeshError(*_wrong_distance(module, nominal, distance))
         pressure, helix = math.acos(cosine), math.atan(math.tan(helix) * distance / nominal)
     across = cross(axis, along)
@@ -777,7 +778,7 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
     module = said.module or 2 * distance / (said.quotient + z2)
     r2 = 0.5 * module * z2
     r1 = distance - r2
-    if not r1 > 0.0 or (said.quotient and abs(r1 - 0.5 * module * said.quotient) > module):  # profiles are shifted by a module at most
+    if not r1 > 0.0 or (said.quotient and abs(r1 - 0.5 * module * said.quotient) > SHIFTED * module):
         nominal = 0.5 * module * (said.quotient + z2)
         raise _MeshError(*_wrong_distance(module, nominal, distance))
     lead = math.atan(0.5 * module * z1 / r1)
