@@ -336,7 +336,7 @@ def _drive(reactions: Reactions, drawn: Reactions, along: Along) -> list[Section
     blocks: list[Block] = [*driving_charts(drawn, along), *driver_speeds(drawn.motion, along), *energy]
     found = at_peaks(reactions)
     coordinates, places = reactions.motion.driver_coordinates, replace(Places.at_peaks(reactions), heights=None)
-    efforts = (found.reactions.driving_torque, found.reactions.motion.crank_speed)
+    efforts = (torque_without_rounding(found.reactions), found.reactions.motion.crank_speed)
     torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in efforts)
     own: list[Figure] = []
     for driver, coordinate, torque, speed in zip(reactions.motion.drivers, coordinates, torques, speeds, strict=True):

@@ -149,15 +149,18 @@ def _rack(mesh: RackAndPinion, layout: BearingLayout, in_front: _Shift) -> MadeU
 
 
 def _screw_and_nut(mesh: ScrewAndNut, layout: BearingLayout) -> Iterator[tuple[str, MadeUpSolid]]:
-    """A spindle with its thread, as long as the nut travels on it; and the nut."""
+    """A spindle with its thread, from its bearing as far as the nut travels on it; and the nut."""
     screw, nut = mesh.links
     axis, on_axis = _turned(layout, screw, mesh.axes[0]), _placed(layout, screw, mesh.centres[0])
     at = on_axis + ((_placed(layout, nut, mesh.centres[1]) - on_axis) @ axis) * axis
     diameter = mesh.lead / (math.pi * math.tan(mesh.lead_angle))
     radius = diameter / 2 if diameter > 1e-6 * layout.size else SPINDLE * layout.width
     (low, high), (back, ahead) = (_travel(layout, link, axis, (0.0, 0.0)) for link in (nut, screw))
-    for solid in _threaded(at, axis, radius, (low - ahead - 3 * radius, high - back + 3 * radius), mesh.ratio):
+    bearing = float((on_axis - at) @ axis)
+    ends = min(low - ahead - radius, bearing), max(high - back + radius, bearing)
+    for solid in _threaded(at, axis, radius, ends, mesh.ratio):
         yield screw, solid
+    yield screw, standing(Cylinder(1.7 * radius, 0.4 * radius), on_axis, axis)  # its collar
     yield nut, standing(Cylinder(1.4 * radius, 1.6 * radius), at, axis)
 
 
