@@ -90,7 +90,7 @@ class ForwardDynamics:
         """
         for k, _ in structure.curves:
             raise PinpressError(
-                f"joint {structure.relations[k].name!r} of {name} follows a curve, which forward dynamics does not take: use motions"
+                f"{name} has the cam {structure.relations[k].name!r}, which forward dynamics does not take: simulate it with method='auto'"
             )
         self._made_of = structure, closed, rank, armature, name
         self.name, self.joints, self.driver, self.rank = name, tuple(structure.model.names)[1:], structure.drivers[0], rank
