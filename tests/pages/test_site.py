@@ -235,6 +235,7 @@ QUESTIONS = {
     "tooth force": "machine_elements",
     "screw press": "machine_elements",
     "self-locking": "machine_elements",
+    "cam law": "machine_elements",
     "power residual": "errors",
     "Windows": "install",
 }
