@@ -72,6 +72,18 @@ def pytest_report_header(config: pytest.Config) -> list[str]:
     return [f"new random cases; these again: --hypothesis-profile={EXPLORE} --hypothesis-seed={config.option.hypothesis_seed}"]
 
 
+@pytest.fixture(params=["plane", "space", "pinocchio"])
+def engine(request: Any) -> str:
+    """Every engine that takes a planar linkage."""
+    return str(request.param)
+
+
+@pytest.fixture(params=["reduced", "constraint"])
+def method(request: Any) -> str:
+    """The two methods of a run that share no equation of motion."""
+    return str(request.param)
+
+
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     executable = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")

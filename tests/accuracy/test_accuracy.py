@@ -100,7 +100,6 @@ def test_the_published_errors_are_still_so(measured):
                 assert 1 / 3 < found / float(said) < 3, (m.method, m.setting, name)
 
 
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_fixed_steps_converge_with_order_four(measured, method):
     rows = measured.of(FREE_RUN, f"{method}, Runge-Kutta 4")
     for quantity in ("error", "force_error", "energy_error"):

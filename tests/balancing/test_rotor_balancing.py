@@ -108,7 +108,6 @@ def test_bearing_bears_the_unbalance(folder, seed):
     np.testing.assert_allclose(moment[0], expected[1], atol=ROUNDING * np.abs(moment).max())
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @FIXED
 @given(st.integers(0, 2**32 - 1))
 def test_two_planes_relieve_the_bearing_of_force_and_moment(folder, engine, seed):

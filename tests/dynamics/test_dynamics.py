@@ -9,7 +9,6 @@ from support import texts
 
 import pinpress as pp
 
-ENGINES = ("plane", "space", "pinocchio")
 SPEED = 70 * pp.RPM
 SERVO = {"angle": np.linspace(-7, 4, 23), "speed": 6 * np.cos(np.linspace(0, 5, 23)), "acceleration": 40 * np.sin(np.linspace(1, 8, 23))}
 
@@ -43,7 +42,6 @@ def motion(zxn2):
 # ---------------------------------------------------------------------------------------------------------------------------- loads
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_load_may_be_constant_array_or_function(zxn2, motion, engine):
     """The three ways to write the same load give the same numbers, bit by bit."""
     force = np.array([2e4, 0.0, 1e6])
@@ -62,7 +60,6 @@ def test_a_load_may_be_constant_array_or_function(zxn2, motion, engine):
     assert not changed[motion.slide_position > -0.9].any()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_virtual_work(zxn2, motion, engine):
     """A force F up on the slide changes the torque by -F v / omega, and one on the rocker by its own power; 1e-10 of the peak change.
 
@@ -84,7 +81,6 @@ def test_virtual_work(zxn2, motion, engine):
     assert np.abs(change - expected).max() <= 1e-10 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_force_on_the_frame_goes_to_the_foundation(zxn2, motion, engine):
     """It changes the shaking force by itself, the shaking moment by its arm, and nothing else, bit by bit."""
     force, point = np.array([1e4, -2e4, 5e4]), np.array([0.3, 0.1, -1.9])
@@ -100,7 +96,6 @@ def test_a_force_on_the_frame_goes_to_the_foundation(zxn2, motion, engine):
     np.testing.assert_allclose(loaded.shaking_moment - bare.shaking_moment, moment, rtol=0, atol=1e-14 * np.abs(bare.shaking_moment).max())
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_forming_force_inside_the_machine_does_not_shake_it(zxn2, motion, engine):
     """Load on the slide and its reaction on the frame, on one line x = 0: nothing reaches the foundation. 1e-12 of the load: rounding."""
     up = np.array([0.0, 0.0, 3e6])
@@ -115,7 +110,6 @@ def test_a_forming_force_inside_the_machine_does_not_shake_it(zxn2, motion, engi
 # ------------------------------------------------------------------------------------------------------------------------ linearity
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_torque_and_forces_are_affine(zxn2, engine):
     """At a crank angle: weight, plus parts proportional to omega^2, alpha and the load. 1e-12 of the peak: a sum of four."""
     angle = np.linspace(0.1, 6.0, 7)
@@ -133,7 +127,6 @@ def test_torque_and_forces_are_affine(zxn2, engine):
         assert min(np.abs(part).max() for part in parts) > 1e-3 * np.abs(whole).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_weight_is_what_gravity_adds(engine):
     """Without gravity, speed and load nothing acts at all; with it, forces are proportional to it."""
     free, earth, double = (texts.shipped("zxn2_3000b", gravity=(0, 0, g)) for g in (0.0, -9.81, -19.62))
@@ -169,7 +162,6 @@ def scaled(press, length, mass):
 
 @pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # sizes and densities of no press
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("length", "mass"), [(1e-6, 1.0), (1e3, 1e-3), (1.0, 1e6), (1e-6, 1e-18)])
 def test_scale(zxn2, length, mass, engine):
     """Lengths times s, masses times m, gravity times s: forces times m s, moments times m s^2, joint rates as they were. No length in the
@@ -196,7 +188,6 @@ def test_scale(zxn2, length, mass, engine):
 # --------------------------------------------------------------------------------------------------------------------------- energy
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_power_balance(zxn2, motion, engine):
     """With loads, through standstill and at rest throughout: finite, and rounding (1e-13)."""
     loads = [pp.loads.PointForce("rod", (3e5, 1e4, -2e5), (0.2, 0.1, 0.0)), pp.loads.PointForce("crank", (0, 1e4, 1e5), (0.1, 0.0, 0.2))]
@@ -240,7 +231,6 @@ def test_work_is_energy(zxn2):
 # ---------------------------------------------------------------------------------------------------------------- drivers and motions
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_another_driver_does_the_same_work(engine):
     """Driven at the rod's pin P instead of the crank, with the motion that the crank gave it: the same states and power; 1e-12."""
     by_crank, by_rod = texts.shipped("crank_slide"), pp.load("crank_slide", driver="P")
@@ -264,7 +254,6 @@ def test_another_driver_does_the_same_work(engine):
     assert np.abs(two.power_residual).max() < 1e-13
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_motion_serves_another_press_of_the_same_lengths(zxn2, motion, engine):
     """The balanced press moves as the unbalanced one: its forces from either motion are the same to rounding (1e-12 of the peak)."""
     balanced = texts.shipped("zxn2_3000b_balanced")
@@ -321,7 +310,6 @@ def kept_in(press, angle, speed):
     return pp.servo_cycle(press, angle=none + angle, speed=none + speed, acceleration=none)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("case", ["a disc whose weight does no work", "dead centre", "dead centre without weights", "next to nothing"])
 def test_where_all_powers_are_rounding_their_residual_is_small(horizontal, engine, case):
     """1e-14 of forces times velocities, of which a millionth is what it is beside."""
@@ -334,7 +322,6 @@ def test_where_all_powers_are_rounding_their_residual_is_small(horizontal, engin
     assert np.abs(result.power_residual).max() < 1e-8
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("share", [1e-3, 1.0])
 def test_a_small_torque_that_is_wrong_shows_all_the_same(horizontal, engine, share):
     """Some 5e-3 N m accelerate the disc, whose centre is held to its circle by 430 N: the share by which a torque is wrong shows."""

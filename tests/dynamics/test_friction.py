@@ -27,11 +27,6 @@ LIFT = np.linspace(-2e5, 9e5, 31)
 UP = np.array([0.0, 0.0, 1.0])
 
 
-@pytest.fixture(params=ENGINES)
-def engine(request):
-    return request.param
-
-
 # ---------------------------------------------------------------------------------------------------- laws that hold for every linkage
 
 

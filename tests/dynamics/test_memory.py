@@ -19,7 +19,6 @@ def _forces(press: pp.Linkage, speed: float, engine: str, points: int = 24) -> n
 
 
 @pytest.mark.one_in(9)
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric", "eccentric_blocks"])
 def test_forces_do_not_depend_on_earlier_calls(name: str, engine: str) -> None:
     """A press that was asked for other speeds, grids and runs before answers with the bits of one that was loaded just now."""

@@ -9,7 +9,6 @@ from support.texts import load, shipped
 
 import pinpress as pp
 
-ENGINES = ("plane", "space", "pinocchio")
 SPRING = pp.loads.TorsionSpring("crank", "rod", 500.0)
 
 # load, driving torque [N m], bearing force W along x [N]: crank_slide at 60 deg and 10 rad/s, by a solution in maximal coordinates
@@ -25,7 +24,6 @@ PRINTED = {
 }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", PRINTED)
 def test_printed_values(name, engine):
     loads, torque, along = PRINTED[name]

@@ -27,7 +27,6 @@ def arbor(ratio, ram=24):
     )
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("ratio", "ram"), [(0.024, 24), (0.024, 60), (-0.03, -30)])
 def test_an_arbor_press(engine, ratio, ram):
     """The teeth hold push less weight of the ram, at the pitch line; the pinion's bearing holds the teeth and the pinion's weight, the
@@ -49,7 +48,6 @@ def test_an_arbor_press(engine, ratio, ram):
     np.testing.assert_allclose(some.shaking_moment, found.shaking_moment, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_friction_of_the_pinions_bearing(engine):
     """mu r times what the bearing carries, the teeth's force among it; the guide, without a force across, rubs nothing."""
     press, friction = arbor(0.03, 30), {"O": pp.loads.Friction(0.08, radius=0.015), "slide_guide": pp.loads.Friction(0.1)}
@@ -103,7 +101,6 @@ def test_a_screw(engine):
     np.testing.assert_allclose(found.bearing_moment["spindle"][:, 2], found.driving_torque, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_teeth_of_a_press_whose_frame_is_turned(engine):
     """The file of a frame that is fixed to a turned link has turned frames of all joints: forces and moments turn with it."""
     press = arbor(0.024, 60)

@@ -60,7 +60,6 @@ def link_motion(press, motion):
     }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("press_name", PRESSES.values())
 def test_kinematics_equal_the_reference(presses, press_name, engine):
     """Slide, link angles, rates and accelerations at every row, 1e-12 relative: both sides close to rounding."""
@@ -75,7 +74,6 @@ def test_kinematics_equal_the_reference(presses, press_name, engine):
         np.testing.assert_allclose(acceleration, column(f"al{i}"), rtol=1e-12, atol=0)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("state", PRESSES)
 def test_torque_and_forces_equal_the_reference(presses, state, engine):
     """Torque and all bearings at every row, to 1e-10 of each one's peak: rounding of a 14 by 14 system."""
@@ -90,7 +88,6 @@ def test_torque_and_forces_equal_the_reference(presses, state, engine):
     assert np.abs(result.driving_torque - expected["tau"]).max() <= 1e-10 * np.abs(expected["tau"]).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", ["TDC", "BDC"])
 def test_dead_centres(presses, name, engine):
     """The slide stands still there: 1e-13 m/s is the rounding of the printed angle."""
@@ -103,7 +100,6 @@ def test_dead_centres(presses, name, engine):
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
     ("key", "quantity", "sign"),
     [
@@ -128,7 +124,6 @@ def test_extremes(presses, key, quantity, sign, engine):
 
 
 @pytest.mark.one_in(5)
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("press_name", BALANCED)
 @pytest.mark.parametrize("motion_name", ["turn", "backward", "servo"])
 def test_hand_script(presses, press_name, engine, motion_name):
@@ -173,7 +168,6 @@ def test_moments_of_the_hand_script(presses):
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("engine", ENGINES)
 def test_balancing_claims(presses, engine):
     """Range of the shaking force after balancing against before, Kong 2025: -47.42 % across, -2.741 % along the slide."""
     before, after = (
@@ -225,7 +219,6 @@ CRANK_SLIDE_MOTIONS = {
 }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("motion_name", CRANK_SLIDE_MOTIONS)
 def test_crank_slide_kinematics(presses, motion_name, engine):
     """z(q) = -r cos q - l sqrt(1 - lam^2 sin^2 q) and its exact rates, to 1e-12 of the peak: rounding."""
@@ -240,7 +233,6 @@ def test_crank_slide_kinematics(presses, motion_name, engine):
         assert np.abs(values - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("motion_name", CRANK_SLIDE_MOTIONS)
 def test_crank_slide_torque(presses, motion_name, engine):
     """The reduced equation M = I q'' + I' q'^2 / 2 + V' of the one degree of freedom, to 1e-12 of the peak: rounding.
@@ -262,7 +254,6 @@ def test_crank_slide_torque(presses, motion_name, engine):
     assert np.abs(torque - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_crank_slide_forces(presses, engine):
     """At constant speed: pin W lifts the slide, the guide takes the rod's side thrust, from its moments about P. 1e-12 of the peak."""
     press = presses["crank_slide"]

@@ -191,7 +191,6 @@ def test_ends_that_meet_are_refused(values):
 
 
 @pytest.mark.filterwarnings("ignore:.*r/min:pinpress.PinpressWarning")
-@pytest.mark.parametrize("engine", ENGINES)
 def test_forces_out_of_floating_points_range_are_refused(engine):
     """Numbers that overflow are not handed back as inf or nan, and NumPy says nothing."""
     huge, far = (1e308, 1e308, 1e308), (1e5, 1e5, 1e5)
@@ -219,7 +218,6 @@ def shorter():
         return texts.load(PRESS.text.decode().replace(ROD_END, ROD))
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_forces_of_a_motion_of_other_lengths_are_refused(shorter, engine):
     with pytest.raises(pp.AssemblyError, match="the motion leaves the loops of this linkage open") as refused:
         pp.inverse_dynamics(shorter, motion(), engine=engine)
@@ -262,7 +260,6 @@ def test_an_unknown_bearing_is_a_key_error_with_the_names_that_there_are(quantit
     assert None not in mapping
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_results_cannot_be_written_to(engine):
     states = pp.cycle(PRESS, 7.0, points=3, engine=engine)
     found = pp.inverse_dynamics(PRESS, states, engine=engine)

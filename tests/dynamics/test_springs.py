@@ -18,11 +18,6 @@ ANGLE = np.linspace(-0.6, 0.9, 7)
 SERVO = {"angle": ANGLE, "speed": 6 * np.cos(3 * ANGLE), "acceleration": 40 * np.sin(5 * ANGLE)}
 
 
-@pytest.fixture(params=ENGINES)
-def engine(request):
-    return request.param
-
-
 def welded():
     """A four-bar with a bracket welded to its coupler, turned and out of the plane, and another one on the frame."""
     drawing = four_bar(1.0, 0.3, 0.9, 0.8, 1.0)

@@ -45,7 +45,6 @@ PRINTED = {
 }
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", PRINTED)
 def test_a_geared_crank(name, engine):
     degrees, acceleration, push, pinion, teeth, o, q, torque = PRINTED[name]
@@ -61,7 +60,6 @@ def test_a_geared_crank(name, engine):
         np.testing.assert_allclose(found.bearing_force["P"][0, [0, 2]], [152.290094155, 850.586193522], rtol=3e-12)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_lever_gear(engine):
     """A ring that drives a planet which is fixed to the connecting rod."""
     press = planar(
@@ -119,7 +117,6 @@ def stage(press):
     return motion, [pp.loads.PointMoment("C_body", -1000.0)]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_planetary_gear(engine):
     press = planetary()
     motion = pp.servo_cycle(press, angle=[np.radians(100)], speed=[50.0], acceleration=[20.0])
@@ -144,7 +141,6 @@ def test_a_planetary_gear(engine):
     np.testing.assert_allclose(found.shaking_force, masses.sum() * np.array([[0, 0, -9.81]]) - momentum, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_efficiency_of_a_planetary_gear(engine):
     """The loss of the mesh with the ring loads that with the sun, too."""
     press = planetary((0.99, 0.985), massless=True)
@@ -358,7 +354,6 @@ def test_a_worm_that_locks():
         pp.inverse_dynamics(press, motion, [pp.loads.PointMoment("worm", (-10.0, 0.0, 0.0))])
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_helical_teeth(engine):
     """Their thrust is that on the shafts' bearings, which also hold its moment."""
     press = planar(

@@ -44,7 +44,6 @@ def by_load(press, loads=(DRAWING,), engine="auto"):
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("angle", [-90, -40, 100])
 @pytest.mark.parametrize("first", ["Y1 Y2", "M Y1 Y2", "Y2 Y1"])
 def test_a_scotch_yoke_carries_the_moment_of_its_crank_alone(angle, first, engine):
@@ -93,7 +92,6 @@ def test_shipped_presses_are_loaded_in_the_middle(name, words):
     assert tool_in_words(texts.shipped(name)) == words
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_mirrored_presses_have_no_moment_in_their_guides(engine):
     """By symmetry; about the first of two pins it would be the force times half the distance between them, 312.5 kN m."""
     press = texts.shipped("eccentric_blocks")

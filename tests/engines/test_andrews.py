@@ -78,7 +78,6 @@ def test_the_drawn_pose_is_the_published_one(press):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("method", METHODS)
 def test_first_accelerations_and_multipliers(press, simulated, method):
     run = simulated(method, 0.03)
     result = pp.inverse_dynamics(press, run, loads=[spring()])
@@ -88,7 +87,6 @@ def test_first_accelerations_and_multipliers(press, simulated, method):
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("time", TIMES)
-@pytest.mark.parametrize("method", METHODS)
 def test_the_80_bit_solution(press, simulated, method, time):
     names = ("positions", "rates", "accelerations", "multipliers")
     references = andrews.REFERENCE[time][:4]
@@ -96,7 +94,6 @@ def test_the_80_bit_solution(press, simulated, method, time):
         assert off(value, expected) < close, name
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_the_published_solution(press, simulated, method):
     names = ("positions", "rates", "accelerations", "multipliers")
     for name, value, expected, close in zip(names, found(press, simulated(method, 0.03)), andrews.PSIDE, PSIDE_OFF, strict=True):
@@ -104,7 +101,6 @@ def test_the_published_solution(press, simulated, method):
 
 
 @pytest.mark.parametrize("time", TIMES)
-@pytest.mark.parametrize("method", METHODS)
 def test_pins_f_and_e(press, simulated, method, time):
     beta, theta = positions(press, simulated(method, time))[-1, :2]
     f = andrews.BODIES[1][3][0] * np.exp(1j * beta)
@@ -117,7 +113,6 @@ def test_pins_f_and_e(press, simulated, method, time):
 @pytest.mark.one_in(7)
 @pytest.mark.parametrize(("when", "state"), [(0, 0), (1, -1)])
 @pytest.mark.parametrize("bearing", andrews.PINS)
-@pytest.mark.parametrize("method", METHODS)
 def test_pin_forces(press, simulated, method, bearing, when, state):
     result = pp.inverse_dynamics(press, simulated(method, 0.03), loads=[spring()])
     force = result.bearing_force[bearing][state]
@@ -125,7 +120,6 @@ def test_pin_forces(press, simulated, method, bearing, when, state):
     assert force[1] == pytest.approx(0.0, abs=PRINTED)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_inverse_dynamics_gives_the_torque_back(press, simulated, method):
     result = pp.inverse_dynamics(press, simulated(method, 0.03), loads=[spring()])
     # beside the torques of 300 N with arms of 7 mm from which it is left over
@@ -140,7 +134,6 @@ def test_both_methods_to_50_ms(press, simulated):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("method", METHODS)
 def test_energy_to_50_ms(press, simulated, method):
     """IFToMM's check: kinetic and spring energy grow by the torque's work."""
     run = simulated(method, 0.05)

@@ -45,7 +45,6 @@ def gap(press, q):
     return np.array(gaps)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_the_false_assembly_exists(zxn2, engine):
     """What the tests below rule out can happen: Newton's method, started at the false assembly, finds it closed as well as the true one."""
     angle = np.linspace(0.0, 6.0, 7)
@@ -73,7 +72,6 @@ def test_a_turn_stays_on_the_drawn_assembly(zxn2, points, speed, engine):
     assert np.ptp(motion.slide_position) > 0.25
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_servo_angles_from_anywhere(zxn2, engine):
     """Random angles over thousands of turns, unsorted, each alone and all together: the same as within the first turn.
 
@@ -261,7 +259,6 @@ def test_a_drag_link_goes_round(bounded):
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize(("seed", "nodes"), [(4, 560), (25, 950)])
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_links_that_turn_fast_are_followed(engine, seed, nodes):
     """Far from any singularity, but the coupler turns many times as fast as the crank; near one, in shorter steps."""
     spec = Spec(groups=(Group("RRR", 0, (1, 0, 0)),), seed=seed, tilted=True, stacked=False, solid=False, extra=False)
@@ -292,7 +289,6 @@ def never_back():
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_geared_linkage_that_is_never_back(never_back, engine):
     """With an irrational ratio it is followed through 16 turns either way; further on it says so."""
     press = never_back
@@ -322,7 +318,6 @@ def test_redundant_loops_that_contradict_each_other_by_little():
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turns", [1500, -1500, 100_000])
 def test_joints_many_turns_away_have_turned_as_often(engine, turns):
     """Of a drag link all that turns fully has made the crank's turns, one that swings has not, and the crank is where it was sent."""
@@ -397,7 +392,6 @@ def tangent():
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_slide_that_moves_beyond_all_bounds_is_followed_far(engine):
     """Towards a right angle its guides become parallel: the linkage locks there, and is exact before it."""
     press = texts.load(tangent())

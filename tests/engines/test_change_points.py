@@ -45,7 +45,6 @@ def energy(angle, speed, flywheel):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("speed", [8.0, -30.0])
 def test_rod_as_long_as_the_crank(equal, method, speed):
     """At 90 degrees the slide might stay on the crankshaft: in motion it goes on. Closed form of position and energy."""
@@ -77,7 +76,6 @@ def test_both_methods_under_drive_and_load(equal):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("method", METHODS)
 def test_a_swing_that_turns_back_at_the_change_point(equal, method):
     """Released at rest 1e-4 rad and 0.3 rad beyond the change point: it falls through it. Closed form of the energy."""
     for start in (math.pi / 2 + 1e-4, math.pi / 2 + 0.3):
@@ -117,7 +115,6 @@ def test_check_says_so(equal):
 
 
 @pytest.mark.one_in(11)
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("drawn", [0.9, 2.0, 0.05, -0.02, 3.1])
 def test_parallelograms(method, drawn):
     """Drawn anywhere, 0.02 rad beside a change point too."""
@@ -131,7 +128,6 @@ def test_parallelograms(method, drawn):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("method", METHODS)
 def test_a_kite(method):
     """Ground and crank alike, coupler and rocker alike: where the crank lies on the ground line, pins meet and the rocker may stand still
     or go on; it goes on, and is back after two turns of the crank."""
@@ -203,7 +199,6 @@ def pushed_parallelogram():
     return texts.load(text.replace(travel, 'lower="-0.25" upper="0.12"', 1), slide="nut")
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_a_driver_that_slides_through_a_change_point(method):
     """Where all pins are in one line, 144 mm below the drawn pose: the equation of motion in closed form, by SciPy."""
     drawn = 0.3 * np.sin(0.5)

@@ -102,7 +102,6 @@ def test_the_torque_of_a_gear_pair_is_open_where_rods_could_carry_it():
         assert set(flags.values()) == {opened}, name
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_gear_train_in_closed_form(engine):
     """Three eccentric shafts: each needs I alpha + weight x lever, the crank what all need, times their ratios; 1e-12."""
     press = load(wheels(("s1", "crank", -2.0, 0.03), ("s2", "s1", 1.5, -0.01), linked=False))
@@ -124,7 +123,6 @@ def test_gear_train_in_closed_form(engine):
         assert np.abs(found - torque).max() <= 1e-12 * np.abs(whole).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_rack_and_pinion_in_closed_form(engine):
     """A rack of 7 kg on a slope of 0.3 rad, 0.2 m by the radian: the pinion pushes it along with m (a + g sin), 1e-12."""
     press = load(wheels(("rack", "crank", 0.2, 0.05), linked=False))
@@ -142,7 +140,6 @@ def test_rack_and_pinion_in_closed_form(engine):
     assert np.abs(pressed - push[:, None] * along).max() <= 1e-12 * np.abs(push).max()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_five_bar_stays_closed(engine):
     """All the way round, its second crank at the multiple of the first that the gears give it."""
     press = load(five_bar(-1.0))
@@ -155,7 +152,6 @@ def test_a_five_bar_stays_closed(engine):
     assert np.abs(motion.a[:, press.joints.index("L")]).max() > 1.0
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("ratio", [17 / 86, -86 / 17, float(np.sqrt(2))])
 def test_any_gear_ratio_can_be_driven(ratio, engine):
     """A shaft that no loop holds need not come back to its start: with such teeth it never does, or after many turns. It is driven through
@@ -169,7 +165,6 @@ def test_any_gear_ratio_can_be_driven(ratio, engine):
     assert far.joint_position[0, press.joints.index("s1")] == pytest.approx(1e3 * ratio, rel=1e-13)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("ratio", [0.1, 0.0511])
 def test_a_rack_need_not_come_back(ratio, engine):
     """It travels on, turn by turn, whatever the pinion's radius."""
@@ -178,7 +173,6 @@ def test_a_rack_need_not_come_back(ratio, engine):
     assert np.abs(motion.joint_position[:, press.joints.index("rack")] - ratio * motion.crank_angle).max() <= 1e-13
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", ["two_point", "three_held_rods", "geared_cranks"])
 def test_only_ratios_of_stiffnesses_count(name, engine):
     """All of them a millionfold share the same; 1e-12 of the peak."""
@@ -206,7 +200,6 @@ def test_a_stiffness_of_any_one_bearing(name):
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(
     ("name", "bearing"),
     [
@@ -228,7 +221,6 @@ def test_a_stiffness_that_idle_forces_do_not_reach(name, bearing, engine):
         assert np.abs(result.bearing_force[other] - bare.bearing_force[other]).max() <= 1e-9 * peak, other
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_a_soft_rod_carries_nothing_but_itself(engine):
     """A millionth of the others' stiffness: what is left along it is a millionth, and what its own mass needs."""
     press, motion, _ = case("three_rods")
@@ -240,7 +232,6 @@ def test_a_soft_rod_carries_nothing_but_itself(engine):
     assert 0.9e-6 * share["W0"] <= share["W1"] <= 1.1e-6 * share["W0"]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
 def test_stiffness_does_not_matter_where_nothing_is_open(engine):
     """The six-bar in its plane: the same to rounding, 1e-13."""
     press = texts.shipped("zxn2_3000b")

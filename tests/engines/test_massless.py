@@ -56,7 +56,6 @@ def test_hooke_joint_in_closed_form(joint):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_hooke_joint_keeps_its_energy(joint, method):
     run = pp.simulate(joint, 1.0, speed=9.0, method=method, points=50)
     ratio, _ = transmission(run.crank_angle)
@@ -65,7 +64,6 @@ def test_hooke_joint_keeps_its_energy(joint, method):
     np.testing.assert_allclose(energy, 0.1 * (1 + start[0] ** 2) * 81.0, rtol=1e-9)
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_rod_without_mass_pulls_along_itself(engine):
     """Of the textbook press: its force at either end is along the line of its pins, and the same."""
     press = large_linkages.load(without_mass(texts.shipped("crank_slide").text.decode(), "rod"))
@@ -78,7 +76,6 @@ def test_rod_without_mass_pulls_along_itself(engine):
     assert np.abs(across).max() < 1e-12 * np.abs(force).max()
 
 
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_with_a_rod_without_mass(method):
     """As those with a rod of next to none."""
     text = texts.shipped("crank_slide").text.decode()

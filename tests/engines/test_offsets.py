@@ -1,7 +1,6 @@
 """Gear pairs with an offset: the follower is drawn where the offset puts it, and every result is that of a shaft mounted so."""
 
 import numpy as np
-import pytest
 from support.generators import large_linkages
 from support.generators.malformed_linkages import GEAR, changed
 
@@ -16,7 +15,6 @@ def train(mimic, mounted=0.0):
     return large_linkages.load(text.replace('<origin xyz="1 0 0"/>', f'<origin xyz="1 0 0" rpy="0 {-mounted!r} 0"/>'))
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_offset_is_a_shaft_mounted_turned(engine):
     angles = np.linspace(-4.0, 9.0, 11)
     presses = (

@@ -31,11 +31,6 @@ SERVO = {"angle": np.array([-0.3, 0.1, 0.45]), "speed": np.array([-6.0, 4.0, 9.0
 SCENES = ("bare", "loads", "across", "spring", "friction", "stiffness")
 
 
-@pytest.fixture(params=ENGINES)
-def engine(request):
-    return request.param
-
-
 @pytest.fixture(scope="module")
 def six_bar():
     return shipped("zxn2_3000b")

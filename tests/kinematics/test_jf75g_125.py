@@ -21,7 +21,6 @@ SHAKING = REFERENCE["shaking"]
 G = 9.80665
 FLYWHEEL = 940.0  # [kg], on the frame in the reference, not in the URDF files
 SPEED = 300 * pp.RPM
-ENGINES = ("plane", "space", "pinocchio")
 PRESSES = ("jf75g_125_plain", "jf75g_125", "jf75g_125_symmetric", "jf75g_125_two_point")
 COUNTERWEIGHTED = PRESSES[1:]
 A, B = 0.25, 0.30  # [m] shafts at x = -A and A of the symmetric press, main rods at y = -B and B of the double-point one
@@ -129,11 +128,6 @@ def space(force):
 @cache
 def load(name, gravity=G):
     return pp.load(name, gravity=(0, 0, -gravity))
-
-
-@pytest.fixture(params=ENGINES)
-def engine(request):
-    return request.param
 
 
 def solved(press, engine, motion="servo", loads=(), **options):

@@ -261,7 +261,6 @@ def test_what_one_driver_has_is_refused_of_two_with_a_remedy(ask, remedy):
     assert remedy in str(refused.value)
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize(
     "given", [{"speed": 1e200}, {"speed": 1e-320}, {"speed": 1e200, "angle": [0.1, 0.2]}], ids=["turn", "time", "servo"]
 )

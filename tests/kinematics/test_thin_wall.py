@@ -26,11 +26,6 @@ def press():
     return texts.shipped("thin_wall")
 
 
-@pytest.fixture(params=["plane", "space", "pinocchio"])
-def engine(request):
-    return request.param
-
-
 def column(name):
     return np.array([row[name] for row in TABLE])
 

@@ -101,7 +101,6 @@ def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held():
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_of_a_rod_between_balls(method):
     ball, universal = (texts.load(rssr(axes)) for axes in (BALL, UNIVERSAL))
     runs = [pp.simulate(press, 0.1, speed=6.0, method=method, points=7) for press in (ball, universal)]

@@ -100,7 +100,6 @@ def ratio(press, driver, follower):
 # ------------------------------------------------------------------------------------------------------------------------------ motion
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_the_lever_gear_moves_as_an_independent_script_has_it(load, engine):
     press = load(LEVER)
     motion = pp.servo_cycle(press, angle=np.radians([10, 20, 30]), speed=10.0, acceleration=0.0)
@@ -112,7 +111,6 @@ def test_the_lever_gear_moves_as_an_independent_script_has_it(load, engine):
     assert states.gaps(motion.joint_position.T).max() < 1e-14
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_a_planetary_gear_turns_by_willis(load, engine):
     press = load(PLANETARY)
     motion = pp.servo_cycle(press, angle=np.radians([100.0]), speed=50.0, acceleration=20.0)

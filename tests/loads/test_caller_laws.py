@@ -28,11 +28,6 @@ def press():
     return texts.shipped("crank_slide")
 
 
-@pytest.fixture(params=METHODS)
-def method(request):
-    return request.param
-
-
 @pytest.mark.parametrize("geared", [False, True])
 def test_the_librarys_own_drives_are_asked_as_they_are(geared):
     kinds = {name: getattr(pp.drives, name) for name in dir(pp.drives) if name.endswith(("Motor", "Torque"))}

@@ -51,7 +51,6 @@ def test_forces_are_those_of_adams(exponent, damping):
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 @pytest.mark.parametrize(
     ("load", "law"),
     [
@@ -245,7 +244,6 @@ def test_hard_stops_are_met_where_they_are_touched(stiffness):
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_a_law_may_fail_where_an_integrator_looks_ahead(method):
     """At a hard stop first trials of a step go metres beyond it, where a cylinder has no air; the motion stays clear of that."""
     press = shipped("jf75g_125_plain")

@@ -67,7 +67,6 @@ def test_work_at_constant_speed_is_a_quadrature():
     assert run.load_work[2] == pytest.approx(expected + 2e3 * 0.02, rel=1e-10)
 
 
-@pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_are_those_of_scipy(method):
     press = shipped("crank_slide")
     given = {"speed": 8.0, "angle": 4.6, "flywheel": pp.drives.Flywheel(60.0), "loads": [BLANK], "method": method, "points": 16}

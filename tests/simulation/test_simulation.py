@@ -34,11 +34,6 @@ J0, M0, W0 = 136.0, 567.0, 10 * math.pi  # Zhang 2007, 4.3: flywheel, torque, sp
 J2 = 3.0  # of the disc about its axis
 
 
-@pytest.fixture(params=METHODS)
-def method(request):
-    return request.param
-
-
 @pytest.fixture(scope="module")
 def press():
     return texts.shipped("jf75g_125", gravity=(0, 0, -9.80665))

@@ -33,11 +33,6 @@ TEXT = (Path(__file__).parents[2] / "urdf" / "crank_slide.urdf").read_text(encod
 pytestmark = [pytest.mark.exhaustive, pytest.mark.usefixtures("time_limit")]
 
 
-@pytest.fixture(params=METHODS)
-def method(request):
-    return request.param
-
-
 @pytest.fixture(scope="module")
 def press():
     return texts.shipped("crank_slide")

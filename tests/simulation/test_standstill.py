@@ -22,18 +22,12 @@ from pinpress.simulation.reduced_model import INERTIA, WEIGHT
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
-METHODS = ("reduced", "constraint")
 FRICTION, FLYWHEEL, ANGLE = 500.0, 20.0, 1.0
 
 
 @pytest.fixture(scope="module")
 def press():
     return texts.shipped("crank_slide")
-
-
-@pytest.fixture(params=METHODS)
-def method(request):
-    return request.param
 
 
 class Guide:

@@ -17,17 +17,10 @@ import pinpress as pp
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
-METHODS = ("reduced", "constraint")
-
 
 @pytest.fixture(scope="module")
 def press():
     return texts.shipped("crank_slide")
-
-
-@pytest.fixture(params=METHODS)
-def method(request):
-    return request.param
 
 
 def reference(times, speed, angle):

@@ -1,6 +1,7 @@
 """Random scenes solved by every method that takes them: a difference that nobody announces is an error.
 
-    python tests/support/second_opinion.py [--scenes 1000] [--seed 0] [--kind runs couplings starts batches steady engines machines cuts written]
+    python tests/support/second_opinion.py [--scenes 1000] [--seed 0]
+        [--kind runs couplings starts batches steady engines machines cuts written]
 
 A refusal announces, and so does a warning that a run is not determined. Runs are also judged by themselves: their first state, how far the
 crank moves between states, inverse dynamics of their motion, and energies by Pinocchio.

@@ -155,11 +155,7 @@ def test_forces(spatial):
 # ------------------------------------------------------------------------------------------------------------------------ redundant
 
 
-ENGINES = ["plane", "space", "pinocchio"]
-
-
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turn", [False, True])
 def test_a_redundant_linkage_moves(turn, engine):
     """It closes all the way round, and its coupler only translates (1e-12)."""
@@ -179,7 +175,6 @@ def test_a_redundant_linkage_moves(turn, engine):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("offset", [0.0, 0.2])
 def test_a_redundant_linkage_in_closed_form(offset, engine):
     """Torque = I alpha + g sum(m r cos), as all parts turn alike or move like the crank pin; every body in balance; 1e-12 of the peak."""
@@ -211,7 +206,6 @@ def test_a_redundant_linkage_in_closed_form(offset, engine):
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
 def test_the_same_is_open_in_a_press_that_stands_askew(name, engine):
     """Flags are along the horizontal in the plane, the normal, and the way up in the plane: what is certain upright is certain askew."""
@@ -235,7 +229,6 @@ def test_the_same_is_open_in_a_press_that_stands_askew(name, engine):
     assert certain >= len(upright.bearings)
 
 
-@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("press_name", ["zxn2_3000b", "crank_slide"])
 def test_only_forces_across_an_ordinary_press_are_open(press_name, engine):
     """In-plane forces and moments are certain; along the normal, world y, the loops may share a force as they like."""
