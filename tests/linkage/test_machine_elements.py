@@ -565,6 +565,11 @@ def test_bad_elements_are_refused(load, text, old, new, message):
     assert caught.value.remedy
 
 
+def test_a_lead_larger_than_the_press_is_doubted(load):
+    with pytest.warns(pp.PinpressWarning, match=r"screw.*lead is 0.9 m, in a linkage of 0.25 m"):
+        load(SPINDLE.replace('lead="0.2"', 'lead="0.9"').replace("-0.5", "-0.25"))
+
+
 def test_planets_that_fit_count_at_both_their_meshes(load):
     press = load(PLANETARY.replace('teeth2="30"', 'teeth2="30" planets="4"'))
     assert [press.meshes[name].planets for name in ("sun_pl", "ring_pl")] == [4, 4]

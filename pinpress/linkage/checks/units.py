@@ -7,7 +7,7 @@ machine part reaches them. Only numbers that enter the mechanics are checked, of
 import math
 from collections.abc import Iterator
 
-from ..description import Description
+from ..description import MACHINE_ELEMENTS, Description
 from ..document import Document, Finding
 from ..element import Element
 from .elements import principal_moments
@@ -15,6 +15,7 @@ from .grammar import warning
 
 SHORT = 0.5  # a link counts as at least this long [lengths of the linkage], however close together its pins are
 OUTSIDE = 3.0  # a centre of mass may be this far from the pins of its link [lengths of the link]
+WIDE = 3.0  # a lead or pitch radius may be as large [lengths of the linkage]
 GYRATION = 5.0  # the radius of gyration of a link may be as large [lengths of the link]
 
 KG_M2 = "write moments of inertia in kg m2, and the mass in kg"
@@ -36,6 +37,7 @@ def remarks(document: Document, size: float, mass: float, centres: bool = True) 
     if heavy:
         yield warning(robot, f"its links weigh {mass:.4g} kg, in a linkage of {size:.3g} m", "write masses in kg, 0.001 for a gram")
     yield from angles(robot)
+    yield from _teeth(robot, size)
     description = document.description
     for link in robot.all("link"):
         for inertial in link.all("inertial"):
@@ -50,6 +52,14 @@ def length(robot: Element, size: float) -> Iterator[Finding]:
     """The warning of a linkage that is longer than any press; it need not close."""
     if size > 50.0:
         yield warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
+
+
+def _teeth(robot: Element, size: float) -> Iterator[Finding]:
+    """Warnings of leads and radii of teeth and threads that are larger than the linkage."""
+    for element in robot.all(*MACHINE_ELEMENTS):
+        for name in ("lead", "radius", "diameter", "module"):
+            if (length := element.number(name, 0.0)) > WIDE * size:
+                yield warning(element, f"{name} is {length:g} m, in a linkage of {size:.3g} m", "write it in metres, 0.01 for 10 mm")
 
 
 def angles(robot: Element) -> Iterator[Finding]:
