@@ -34,7 +34,7 @@ def reachable(press, reach, count, seed=3):
     return positions[inside][:count]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(7)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of the files
 @pytest.mark.parametrize("oriented", [False, True])
 @pytest.mark.parametrize("name", ROBOTS)
@@ -179,6 +179,7 @@ def test_states_that_are_not_reached_are_gaps():
     np.testing.assert_array_equal(reactions.motion.valid, motion.valid)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # of the file
 def test_a_single_driver_leaves_gaps_too_and_a_limit_stays_an_error():
     rod = loaded(ROBOTS["rod"][0])

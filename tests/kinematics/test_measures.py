@@ -242,7 +242,7 @@ def searched(slide, length):
 # Derivatives by the complex step
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("measure", ALL)
 def test_the_complex_step_differentiates_every_measure(measure, family):

@@ -131,7 +131,7 @@ def test_of_equal_dead_centres_the_first(driven):
 # What is read off the states
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_extremes_and_peaks(press):
     whole = 360.0 * period_turns(press)
     some = {one.quantity: one for one in extremes(pp.inverse_dynamics(press, pp.cycle(press, SPEED)))}

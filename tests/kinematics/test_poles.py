@@ -132,6 +132,7 @@ def test_slot():
     assert not pp.measures.grashof(press)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("lengths", "kind", "shortest"),
     [

@@ -38,7 +38,7 @@ def forces(press):
     return names, np.hstack([torque, *(reactions.bearing_force[name] for name in names)])
 
 
-@pytest.mark.one_in(19)
+@pytest.mark.one_in(29)
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("name", pp.presses())
 def test_a_press_in_another_format_has_the_torque_and_bearing_forces_of_ours(name, form, tmp_path):
@@ -192,6 +192,7 @@ DIALECT_REFUSED = [
 ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("loop", "message"), DIALECT_REFUSED)
 def test_loops_that_cannot_be_read_are_refused_by_name_and_line(loop, message):
     text = crank_slide("\n" + loop)

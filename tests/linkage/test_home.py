@@ -163,6 +163,7 @@ def test_a_pose_chooses_the_assembly(pose, knee_b, how):
     assert press.assembly.gap_drawn == pytest.approx(0.121, abs=5e-4)
 
 
+@pytest.mark.exhaustive
 def test_a_pose_that_does_not_close_is_warned_of():
     with pytest.warns(pp.PinpressWarning, match="no closed pose was found with the joints where pose= puts them"):
         press = pp.load(OPEN, pose={"turn_a": 1.5, "turn_b": -2.5})

@@ -48,6 +48,7 @@ def test_links_of_a_loop_are_exchanged(tmp_path) -> None:
     assert first_error(tmp_path, swapped)[1] == wanted
 
 
+@pytest.mark.exhaustive
 def test_a_point_is_in_world_axes(tmp_path) -> None:
     press = texts.shipped("zxn2_3000b")
     x, _, z = pp.measures.bearing_positions(press, pp.cycle(press, 1.0, points=4))["F"][0].tolist()

@@ -14,7 +14,7 @@ def _waiting(case: Case) -> list[pytest.MarkDecorator]:
     return [pytest.mark.xfail(strict=True, reason=reason)] if reason else []
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(7)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.id, marks=_waiting(case)) for case in CASES])
 def test_mobility_positions_and_torques_are_those_of_other_programs(case: Case) -> None:

@@ -301,7 +301,7 @@ URDFS = [
 ]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize(("family", "kind", "dialect", "seed"), URDFS)
 def test_mechanisms_that_are_drawn_open(family, kind, dialect, seed, tmp_path):
     made = mechanism(family, kind, seed=seed)

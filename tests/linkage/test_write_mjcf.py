@@ -168,7 +168,7 @@ def test_random_linkages(spec):
         compare(press, Path(folder), pp.servo_cycle(press, **servo(press, np.random.default_rng(spec.seed), states=1)))
 
 
-@pytest.mark.one_in(9)
+@pytest.mark.one_in(13)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in CASES])
 def test_small_robots(case, tmp_path):
@@ -254,6 +254,7 @@ def test_an_arm_without_loops_in_its_keyframe_on_a_base_without_moments_of_inert
     assert not check(file).errors
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", MESHING)
 def test_teeth_and_threads_are_equalities_that_move_and_drive_alike(name, tmp_path):
     press = pp.build(**MESHING[name])

@@ -664,6 +664,7 @@ REFUSALS = [  # fields that are changed, the error and its message
 ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("fields", "message"), REFUSALS)
 def test_what_no_urdf_of_this_structure_can_hold_is_refused(press, tmp_path, fields, message):
     """What was in the file before is in it still, and nothing lies beside it."""

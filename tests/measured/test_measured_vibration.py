@@ -304,6 +304,7 @@ def test_decrement_of_one_channel_in_a_band():
 # ---------------------------------------------------------------------------------------------------------------------------------- mounts
 
 
+@pytest.mark.exhaustive
 def test_mounts_are_fitted_to_measured_frequencies():
     """Pads of 60 Shore A that were thought to be of 70: the factors on their stiffness are known, and so is the loss."""
     thought, real = standing(70.0, 0.03), standing()

@@ -25,6 +25,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str
         yield names, list(page_blocks.run((DOCS / "tour.md").read_text(encoding="utf-8"), names))
 
 
+@pytest.mark.exhaustive
 def test_prints_what_the_page_shows(session: tuple[dict[str, Any], list[page_blocks.Shown]]) -> None:
     shown = session[1]
     for each in shown:

@@ -53,6 +53,7 @@ def test_every_step_that_fails_ends_the_integration(tmp_path: Path) -> None:
         assert calls == steps[:number]
 
 
+@pytest.mark.exhaustive
 def test_a_python_that_is_not_there_is_named(tmp_path: Path) -> None:
     _, steps, _ = integrate(tmp_path / "all", 0)
     asked = next(number for number, step in enumerate(steps, 1) if step.startswith("python3.13 -c"))

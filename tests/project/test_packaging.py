@@ -95,6 +95,7 @@ def test_sdist_contents(built):
     assert {".ci/run", ".github/workflows/integration.yml", ".pre-commit-config.yaml", ".zenodo.json", "paper/paper.bib"} < names
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("installed", rest_exhaustive(["checkout", "editable", "wheel"], "checkout"))
 def test_presses_load_by_name(request, tmp_path, installed):
     folder = request.getfixturevalue(installed)

@@ -93,6 +93,7 @@ def stops() -> pp.ratings.StoppingTimes:
     return pp.ratings.stopping(shipped("zxn2_3000b"), SPEED, 25e3, 0.030, 0.050, control=0.010, device=0.020)
 
 
+@pytest.mark.exhaustive
 def test_worst_signal_is_searched_and_a_brake_that_slips_has_no_time(stops: pp.ratings.StoppingTimes) -> None:
     full, half = stops.cases[FULL], stops.cases[HALF]
     assert full.worst_elsewhere is None

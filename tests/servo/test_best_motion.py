@@ -112,7 +112,7 @@ def test_at_least_rms_the_least_time_is_the_time_of_least_heat():
     assert quick.value == pytest.approx((12.0 * FULL**2) ** 0.25, rel=2e-5)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b"])
 def test_bang_bang_of_a_linkage(name):
     """Without weight, E = (M + J) b / 2 rises by torque x way up to the middle, and falls as fast."""
@@ -145,6 +145,7 @@ def test_least_heat_by_another_solver():
     np.testing.assert_allclose(best.speed[:-1] ** 2, b, rtol=2e-3)
 
 
+@pytest.mark.exhaustive
 def test_a_turn_takes_exactly_its_time():
     """Without a limit of speed a faster turn would need less heat for each stroke: tangents find what SLSQP finds with the time as an
     equation, and no motion is below the bound of turns that pass their mean speed."""
@@ -300,6 +301,7 @@ def test_power_is_kept_and_its_bound_is_close(power, rms, gap):
     assert "rounds of enclosing" in best.notes[0]
 
 
+@pytest.mark.exhaustive
 def test_rate_of_torque():
     """It is kept, costs heat, and is said to be proved only near the motion; no other start has less heat."""
     press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=8, ratio=10)
@@ -318,6 +320,7 @@ def test_rate_of_torque():
     assert "is not convex" in best.notes[0]
 
 
+@pytest.mark.exhaustive
 def test_trade_off():
     """Each point is the best motion at its time; times that no motion keeps are said to be so."""
     press, drive = knuckle(), servo.ServoDrive(inertia=10, peak_torque=2700)

@@ -171,7 +171,7 @@ ALONE = ("damped dies", "slip clutches", "slip clutches with a lag", "a force in
 """Those of which some or all scenarios are run on their own: for their states, their time, corners that only some of them pass."""
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(13)
 @pytest.mark.parametrize("name", BUILDS)
 def test_each_is_its_own_run(press, name, request):
     build, values = BUILDS[name]

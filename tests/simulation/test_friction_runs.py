@@ -33,7 +33,7 @@ def missing(press, run, loads, friction, inertia):
     return (needed - (run.drive_torque - inertia * run.crank_acceleration)) / np.abs(needed).max()
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("method", ["reduced", "implicit"])
 @pytest.mark.parametrize("loads", [pytest.param([], marks=pytest.mark.exhaustive), [DRAWING, CYLINDER]], ids=["idle", "loaded"])
 def test_inverse_dynamics_gives_the_motor_torque_back(method, loads):

@@ -176,6 +176,7 @@ def test_temperature_against_scipy(name):
     assert ours == pytest.approx(found.y[0], rel=1e-5)  # of the straight lines between the states
 
 
+@pytest.mark.exhaustive
 def test_a_time_constant_far_below_a_stroke_or_above_a_life():
     """Far below, the rise is the thermal resistance times the heat of the instant; far above, the mean heat's."""
     given = MOTORS["inverter"]
@@ -206,6 +207,7 @@ def test_a_steady_stroke_comes_back_to_its_temperature():
     assert again == pytest.approx(rise, rel=1e-12)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("feedback", [0.95, pytest.param(1.0, marks=pytest.mark.exhaustive)])
 def test_an_integral_keeps_the_mean_speed(feedback):
     """Over a steady stroke the integral comes back, so that the mean speed is that set, to the share that is fed back."""
@@ -275,7 +277,7 @@ def servo_run():
     return pp.simulate(press(), 0.6, speed=0.0, drive=motor, flywheel=Flywheel(136.0), loads=BLANKING)
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("voltage", [None, 700.0])
 @pytest.mark.parametrize("mains_power", [None, 1.55e6])
 def test_with_a_link_mains_are_work_losses_and_what_bodies_and_capacitor_store(voltage, mains_power):

@@ -92,7 +92,7 @@ def known():
     return times, *reference(times)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_stick_and_slip(press, method, known):
     run = pp.simulate(
         press, 2.0, angle=ANGLE, drive=Rocking(), flywheel=pp.drives.Flywheel(FLYWHEEL), loads=[Guide()], points=401, method=method

@@ -114,6 +114,7 @@ def test_dry_friction_holds_it_on_the_top(press):
     assert said == []
 
 
+@pytest.mark.exhaustive
 def test_scenarios_beside_it_are_run_alone(press):
     """One that creeps away from the top, beside one that runs fast."""
     with pytest.warns(pp.PinpressWarning, match="not determined"):

@@ -247,7 +247,7 @@ LASTING = {
 }
 
 
-@pytest.mark.one_in(22)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", LASTING)
 def test_the_last_stroke_of_a_long_run_is_that_of_the_steady_state(name):
     """Of stiff motors, which settle by a factor of 2 and more each stroke, of lags, both ways round, and with little inertia."""
@@ -578,6 +578,7 @@ def test_duty_of_a_constant_torque(press):
         assert duty.mean_speed == pytest.approx(turned / duty.duration, rel=1e-12)
 
 
+@pytest.mark.exhaustive
 def test_strokes_make_up_the_run(long_run, strokes):
     """Each a turn long, one after the other; with what is left at the end their sums are the run's."""
     ends = np.array([stroke.start + stroke.duration for stroke in strokes])

@@ -22,6 +22,7 @@ def test_the_default_method_meets_closed_forms(name):
 # ------------------------------------------------------------------------------------------------------------------- which one is used
 
 
+@pytest.mark.exhaustive
 def test_what_ran_is_said():
     ordinary = run("auto")
     assert ordinary.stats.solvers == ("angle",)

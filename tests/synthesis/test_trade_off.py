@@ -30,6 +30,7 @@ def curve():
     return found(largest_acceleration, length, subject_to=limits, designs=5)
 
 
+@pytest.mark.exhaustive
 def test_of_rod_and_acceleration_in_closed_form(curve):
     """r w^2 (1 + r / l) is the largest acceleration at bottom dead centre: all lengths of the rod are on the curve."""
     acceleration, rod = curve.values.T

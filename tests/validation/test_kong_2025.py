@@ -170,6 +170,7 @@ def test_a_mass_far_beyond_e_lowers_its_vertical_force(monkeypatch, mass, fall):
     assert 100 * (1 - np.ptp(after["F43y"]) / np.ptp(before["F43y"])) == pytest.approx(fall, abs=0.05 if mass < 1000 else 0.5)
 
 
+@pytest.mark.exhaustive
 def test_what_a_noticeable_fall_takes_is_enough_and_not_more(price):
     """With the mass that is named the range is lower by 18 %, with 1 % less mass it is not."""
     angle, solved = script()

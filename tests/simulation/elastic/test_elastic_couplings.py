@@ -13,6 +13,7 @@ import pinpress as pp
 Clutch, Brake, At, Flywheel = pp.drives.Clutch, pp.drives.Brake, pp.drives.SwitchPoint, pp.drives.Flywheel
 
 
+@pytest.mark.exhaustive
 def test_a_clutch_joins_two_inertias():
     """Wheel of 50 kg m2 at 12 rad/s a crank of 100 kg m2 at 3 rad/s, 300 N m from 0.1 s on: they slip for 9 / (300 (1/50 + 1/100)) s."""
     clutch = Clutch(300.0, closes=At(time=0.1))

@@ -77,6 +77,7 @@ def test_start_without_vibration_in_space():
     assert left[1] < 2e-3 * max(np.abs(rigid.bearing_force[name]).max() for name in rssp().bearings)
 
 
+@pytest.mark.exhaustive
 def test_displacements_are_what_stretches_the_springs():
     """A point of a link moves by its centre of mass and its turn. What is between the two sides of a bearing is its force by its stiffness;
     at the universal joint the springs of both its pins stand in a row. A cross without mass moves with its carrier."""

@@ -21,6 +21,7 @@ from pinpress.simulation.elastic.task import Task
 SPEED = 300 * pp.RPM
 
 
+@pytest.mark.exhaustive
 def test_break_through_of_a_slide_between_light_links():
     """The snap-through of `elasticity` is the elastic motion of a slow press with light links: the slide swings about its rigid place."""
     links = CrankSlider(crank_mass=5e-5, rod_mass=5e-5, crank_inertia=1e-6, rod_inertia=1e-6, gravity=0.0)

@@ -91,6 +91,7 @@ def test_stiffer_springs_lead_to_the_rigid_press(name, rpm):
     assert errors[1][1] < 2e-3
 
 
+@pytest.mark.exhaustive
 def test_work_of_the_drive_is_that_of_loads_and_losses():
     for run in (stroke(*JF75G), stroke(*SIX_BAR)):
         assert run.stats.energy_error < 1e-10

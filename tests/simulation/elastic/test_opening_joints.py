@@ -49,7 +49,7 @@ def one_mass_press(ratio):
     return press, joint, mass, Elastic(stiffness, ratio, dict.fromkeys(press.bearings, 3e6), crown_mass=2000)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.exhaustive
 def test_one_mass_on_a_joint_that_opens():
     """A press holds 40 kN, which opens its joint, and is let go: when the uprights touch and lift off, and the extreme heights, by the two
     half periods. The crank creeps through bottom dead centre."""
