@@ -195,7 +195,8 @@ def pole_path(found: PolePath) -> tuple[Section, ...]:
     if np.isfinite(position).any():
         away = np.linalg.norm(position - np.nanmedian(position, axis=0), axis=1)
         near = away <= FAR * np.nanmedian(away)
-        branches = np.split(np.arange(len(near)), np.flatnonzero(np.diff(near)) + 1)
+        order = np.roll(np.arange(len(near)), -int(near.argmin()) if is_cycle(found.motion) else 0)  # a period begins where the pole is far
+        branches = np.split(order, np.flatnonzero(np.diff(near[order])) + 1)
         curves = [
             Curve(f"branch {k}", *_line(position[branch][:, wide])) for k, branch in enumerate((b for b in branches if near[b[0]]), 1)
         ]
@@ -222,7 +223,8 @@ def vector_polygons(found: VectorPolygons) -> tuple[Section, ...]:
         return Chart(name, title, unit, Along(found.axes[0], unit), [*figures, *rays], square=True)
 
     charts = [polygon("velocity", "m/s", found.velocity), polygon("acceleration", "m/s2", found.acceleration)]
-    return (Section("Polygons", blocks=charts),)
+    angle = float(np.ravel(found.motion.crank_angle[found.state])[0])
+    return (Section(f"Polygons at {found.motion.driver_coordinates[0].shown(angle, '.2f')}", blocks=charts),)
 
 
 def _line(points: Sequence[Array] | Array) -> tuple[Array, Array]:
