@@ -101,7 +101,7 @@ class _Writer:
         assert link.guide is not None
         place = self.places[joint.link2]
         axis = _vector(place.rotation.T @ link.guide.direction, 1.0)
-        meshing = any(element.bodies[1] == link.name for element in self.parts.elements)
+        meshing = any(link.name in element.bodies for element in self.parts.elements if element.section in ("racks", "screws"))
         follows = (meshing or joint.name in self.tree.gears) and joint.name not in self.tree.drivers
         reach = ENDLESS if follows else REACH * self.size
         lower, upper = link.guide.travel or (-reach, reach)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, MESHING, PLANETARY, SCREW, TEETH, changed, meshing
+from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, MESHING, PLANETARY, SCREW, TEETH, WORM, changed, meshing
 
 import pinpress as pp
 from pinpress.pin_table.building import draft
@@ -274,15 +274,7 @@ def test_torque_of_a_screw(screw, torques, efficiencies, hand):
 )
 def test_forces_of_a_worm(way, worm, torque):
     """2000 N m on the wheel, which it drives where the worm turns positively; the worm's teeth push with 12.5 kN along its axis."""
-    table = {
-        "units": "mm",
-        "frame": "O M",
-        "pins": {"O": [0, 0], "M": {"x": 0, "y": 0, "z": -200, "axis": "x"}},
-        "links": {"wheel": {"pins": "O", "mass": 10}, "shaft": {"pins": "M", "mass": 5, "inertia": [0.01, 0.01, 0.01]}},
-        "drive": "M",
-        "worms": {"worm": {"worm": "shaft", "wheel": "wheel", "starts": 2, "teeth": 40, "module": 8, "quotient": 10, "friction": 0.05}},
-    }
-    press = pp.build(**table, gravity=(0, 0, 0))
+    press = pp.build(**WORM, gravity=(0, 0, 0))
     motion = pp.servo_cycle(press, [0.0, 0.3 * way], speed=float(way), acceleration=0.0)
     reactions = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointMoment("wheel", (0, 2000, 0))])
     assert reactions.driving_torque[-1] == pytest.approx(-torque, rel=1e-9)

@@ -288,7 +288,7 @@ def worst_force(press: Any, one: Any, other: Any, same: Same | None = None) -> f
     moment = max(moment, force * press.size)
     forces = [(one.shaking_force @ same.vectors.T, other.shaking_force)]
     moments = [(same.moments(one.shaking_moment), other.shaking_moment), (same.sense * one.driving_torque, other.driving_torque)]
-    for name in press.bearings:
+    for name in (*press.bearings, *(contact.name for contact in press.contacts if contact.name)):
         new = same.names.get(name, name)
         forces.append((one.bearing_force[name] @ same.vectors.T, other.bearing_force[new]))
         moments.append((same.moments(one.bearing_moment[name]), other.bearing_moment[new]))

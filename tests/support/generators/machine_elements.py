@@ -75,3 +75,25 @@ MESHING = {
     "rack": ARBOR,
     "screw": changed(SCREW, "screws", "spindle", friction=None),
 }
+WORM: dict[str, Any] = {
+    "units": "mm",
+    "frame": "O M",
+    "pins": {"O": [0, 0], "M": {"x": 0, "y": 0, "z": -200, "axis": "x"}},
+    "links": {"wheel": {"pins": "O", "mass": 10}, "shaft": {"pins": "M", "mass": 5, "inertia": [0.01, 0.01, 0.01]}},
+    "drive": "M",
+    "worms": {"worm": {"worm": "shaft", "wheel": "wheel", "starts": 2, "teeth": 40, "module": 8, "quotient": 10, "friction": 0.05}},
+}
+RUBBING = {  # with helices, losses and threads of both hands
+    "gears": meshing(helix="15 left", efficiency=0.97, module=9.5),
+    "lever gear": changed(LEVER_GEAR, "meshes", "teeth", helix=10, efficiency=0.985),
+    "planets": {
+        **PLANETARY,
+        "meshes": {
+            "sun_planet": {"gears": "planet sun", "teeth": [30, 20], "planets": 4, "efficiency": 0.99},
+            "ring": {"gears": "planet frame", "teeth": "30 -80", "at": "A", "planets": 4, "efficiency": 0.985},
+        },
+    },
+    "rack": changed(ARBOR, "racks", "rack", helix="20 left", efficiency=0.98, side=None),
+    "screw": changed(SCREW, "screws", "spindle", collar_friction=0.1, collar_diameter=200, hand="left"),
+    "worm": WORM,
+}

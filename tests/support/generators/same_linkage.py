@@ -12,6 +12,13 @@ from support.generators.random_linkages import Drawing
 
 MIRROR = np.array([-1.0, 1.0, 1.0])  # x the other way round
 TURNING = -MIRROR  # of axes of turns and of angles: in a mirror left becomes right
+ELEMENTS = {  # machine elements, with their attributes that name links
+    "gear_mesh": ("gear1", "gear2", "carrier"),
+    "rack": ("pinion", "rack", "carrier"),
+    "screw": ("screw", "nut"),
+    "worm": ("worm", "wheel", "carrier"),
+}
+OTHER = {"left": "right", "right": "left"}
 
 
 @dataclass(frozen=True)
@@ -57,6 +64,10 @@ def mirrored(press: Any, random: Any) -> Same:
         _change(inertia, "ixz", -1.0)
     for joint in (*root.iter("joint"), *root.iter("loop_joint")):
         _change(joint.find("axis"), "xyz", MIRROR if joint.get("type") == "prismatic" else TURNING)
+    for element in (each for tag in ELEMENTS for each in root.findall(tag)):
+        _change(element, "center1", MIRROR)
+        _change(element, "center2", MIRROR)
+        element.set("hand", OTHER[element.get("hand", "right")])
     return Same(_written(root, press.model.gravity.linear * MIRROR, press.slide), np.diag(MIRROR))
 
 
@@ -100,16 +111,15 @@ def turned_round(press: Any, random: Any) -> Same:
 def renamed(press: Any, random: Any) -> Same:
     """In another order of names, by which Pinocchio sorts, and of elements."""
     root = ElementTree.fromstring(press.text)
-    every = sorted({str(e.get("name")) for kind in ("link", "joint", "loop_joint") for e in root.findall(kind)})
+    every = sorted({str(e.get("name")) for kind in ("link", "joint", "loop_joint", *ELEMENTS) for e in root.findall(kind)})
     names = {
         name: f"{letter}{k}_{name}" for name, letter, k in zip(every, random.choice(list("abcdefgz"), len(every)), range(99), strict=False)
     }
+    named = dict.fromkeys(("link", "joint", "loop_joint", "parent", "child", "link1", "link2", "mimic"), ("name", "link", "joint"))
+    named |= {tag: ("name", *links) for tag, links in ELEMENTS.items()}
     for element in root.iter():
-        for attribute in ("name", "link", "joint"):
-            if (
-                element.tag in ("link", "joint", "loop_joint", "parent", "child", "link1", "link2", "mimic")
-                and element.get(attribute) in names
-            ):
+        for attribute in named.get(element.tag, ()):
+            if element.get(attribute) in names:
                 element.set(attribute, names[element.get(attribute)])
     elements = list(root)
     for element in elements:
