@@ -630,7 +630,7 @@ def _rank(bearing: _Bearing) -> int:
     loops as a file of ours says."""
     if bearing.element.all(CLOSES):
         return 4
-    return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(bearing.type, 2)
+    return {"prismatic": 0, _SCREW: 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(bearing.type, 2)
 
 
 def _carriers(link: str, carried: Mapping[str, _Bearing]) -> dict[str, tuple[_Bearing, str]]:
