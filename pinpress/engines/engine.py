@@ -16,7 +16,7 @@ from ..common.errors import AssemblyError
 from ..common.quantities import Array, ComplexArray
 from .body_motion import BodyMotion
 from .structure import Structure
-from .wrenches import AppliedConditions, BearingLoads, Wrenches
+from .wrenches import AppliedConditions, BearingLoads, Idle, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
@@ -206,6 +206,9 @@ class Engine(Protocol):
             conditions: loads, compliances, and efforts of friction that are known; no law.
             rates: (nv, n) joint rates to which the bearings' speeds belong; those of the states count for inertia forces alone.
         """
+
+    def idle(self, states: ClosedStates) -> Idle:
+        """The idle forces of redundant equations."""
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """What rigid mechanics leaves open in any of the positions (nv, n); see `Reactions.indeterminate`.

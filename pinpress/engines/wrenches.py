@@ -112,6 +112,20 @@ class Wrenches:
         return Wrenches(torque, relations, friction, self.force[:, points], self.moment[:, points])
 
 
+class Idle(NamedTuple):
+    """Forces that balance each other and move nothing, k of them in every state; those of a state with fewer are zero.
+
+    Attributes:
+        relations: (k, relations, n) efforts, as of `Wrenches`.
+        force: (k, bearings, n, 3) forces of the bearings.
+        moment: (k, bearings, n, 3) moments.
+    """
+
+    relations: Array
+    force: Array
+    moment: Array
+
+
 class BearingLoads(NamedTuple):
     """What friction depends on in every bearing, joints in Pinocchio's order, then loops.
 

@@ -4,7 +4,7 @@ closed forms of threads and worms, bodies cut free, and runs against inverse dyn
 import numpy as np
 import pytest
 from support.generators.meshed import planar
-from support.generators.random_gears import random_gears
+from support.generators.random_gears import geared_cranks, random_gears
 from support.oracles.cut_free import cut_free
 from support.texts import load, shipped
 
@@ -176,19 +176,46 @@ def test_one_planet_for_four_and_all_that_are_drawn(engine, efficiencies):
         assert not one.indeterminate[name][[0, 2]].any()
 
 
-@pytest.mark.parametrize("engine", ENGINES[1:])
-@pytest.mark.parametrize("stiffness", [{}, {"P0": 1e8, "P1": 3e8, "P2": 1e8, "P3": 5e8, "S": 1e9, "C": 1e9}, {"P1": 1e7}])
-def test_planets_with_weight_share_by_stiffness(engine, stiffness):
-    """Their weights load them unevenly. Teeth have no pressure angle here: what pushes gears apart is left out where forces are shared."""
+WITH_STIFFNESS = {
+    "planets": [{}, {"P0": 1e8, "P1": 3e8, "P2": 1e8, "P3": 5e8, "S": 1e9, "C": 1e9}, {"P1": 1e7}],
+    "cranks": [{}, {"WL": 1e8, "OR": 1e9}],
+}
+
+
+@pytest.mark.parametrize("kind", WITH_STIFFNESS)
+def test_redundant_teeth_share_by_stiffness(kind):
+    """Four planets whose weights load them unevenly; two geared cranks, whose idle force runs through teeth, rods and slide. Teeth have no
+    pressure angle here: what pushes gears apart is left out where forces are shared."""
     text = planetary(drawn=4).text.decode().replace("<gear_mesh ", '<gear_mesh carrier="C_body" pressure_angle="0" ')
-    press = load(text, drivers=("S",))
+    press = load(text, drivers=("S",)) if kind == "planets" else geared_cranks(1)
     motion = pp.servo_cycle(press, angle=[0.3, 1.0], speed=[50.0, 20.0], acceleration=[20.0, 3.0])
-    found = pp.inverse_dynamics(press, motion, stiffness=stiffness, engine=engine)
-    for i in range(2):
-        state = cut_free(press, motion, i, (), stiffness)
-        forces = np.array([found.bearing_force[name][i] for name in press.bearings])
-        np.testing.assert_allclose(forces, state.wrenches[:, :3], rtol=0, atol=1e-11 * np.abs(state.wrenches).max())
-        np.testing.assert_array_equal(np.array([found.indeterminate[name] for name in press.bearings])[:, [0, 2]], state.open[:, [0, 2]])
+    for stiffness in WITH_STIFFNESS[kind]:
+        states = [cut_free(press, motion, i, (), stiffness) for i in range(2)]
+        for engine in press.engines:
+            found = pp.inverse_dynamics(press, motion, stiffness=stiffness, engine=engine)
+            assert np.abs(found.power_residual).max() < 1e-13
+            for i, state in enumerate(states):
+                forces = np.array([found.bearing_force[name][i] for name in press.bearings])
+                np.testing.assert_allclose(forces, state.wrenches[:, :3], rtol=0, atol=1e-11 * np.abs(state.wrenches).max())
+                marks = np.array([found.indeterminate[name] for name in press.bearings])
+                np.testing.assert_array_equal(marks[:, [0, 2]], state.open[:, [0, 2]])
+
+
+def test_friction_where_teeth_are_redundant():
+    """Every pin loses what its own force says, also where teeth and rods share; without friction nothing jumps."""
+    press, pins = geared_cranks(2, 20.0), ("OL", "OR", "PL", "PR")
+    motion = pp.servo_cycle(press, angle=[0.3, 1.0], speed=[5.0, 2.0], acceleration=[20.0, 3.0])
+    smooth = pp.inverse_dynamics(press, motion)
+    for engine in press.engines:
+        found, nearly = (
+            pp.inverse_dynamics(press, motion, friction={name: Friction(by, radius=0.02) for name in pins}, engine=engine)
+            for by in (0.1, 1e-12)
+        )
+        for name in pins:
+            lost = 0.1 * 0.02 * np.linalg.norm(found.bearing_force[name], axis=1) * np.abs(motion.v[:, press.joints.index(name)])
+            np.testing.assert_allclose(found.friction_power[name], lost, rtol=1e-11)
+            np.testing.assert_allclose(nearly.bearing_force[name], smooth.bearing_force[name], rtol=0, atol=1e-8)
+        assert np.abs(found.power_residual).max() < 1e-13
 
 
 KINDS = ("planetary", "lever gear", "lever gear by a loop")

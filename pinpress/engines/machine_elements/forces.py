@@ -11,8 +11,9 @@ first every `Rubbing`, then every contact with a push. A row of a contact has th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from ..engine import ClosedStates, Engine
 from ..friction import FrictionLaw
 from ..sharing import share
 from ..structure import Structure
-from ..wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Idle, Wrenches
 
 
 def friction_law(arm: Array, viscous: Array, preload: Array, structure: Structure) -> FrictionLaw | None:
@@ -55,7 +56,7 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
     structure, law = engine.structure, conditions.law
     if not structure.contacts:
         return engine.inverse_dynamics(states, conditions, bearings)
-    placed = _Placed(engine, states)
+    placed = _Placed(engine, states, conditions.compliance)
     rows = np.zeros((placed.bearings + placed.rows, states.v.shape[1]))
     speeds, efforts = rows, rows
     if law is not None:
@@ -72,10 +73,10 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
     friction = np.concatenate([0.0 - efforts[: placed.bearings] * speeds[: placed.bearings], placed.lost(efforts, speeds)])
     if not bearings:
         return Wrenches(result.torque, result.relations, friction, result.force, result.moment)
-    by_effort = placed.efforts(acting, states.v, result.relations)
+    by_effort = placed.efforts(acting, result.relations)
     by_size = np.abs(by_effort) if law is None else placed.pushes(efforts)
     pushed = placed.loads(by_effort, by_size)
-    found = engine.inverse_dynamics(states, acting.under(pushed, acting.friction), bearings=True)
+    found = placed.settled(engine.inverse_dynamics(states, acting.under(pushed, acting.friction), bearings=True))
     found.relations[placed.relations] += by_effort
     force, moment = placed.of_first_on_second(by_effort, by_size, efforts)
     return Wrenches(
@@ -92,7 +93,7 @@ def bearing_loads(engine: Engine, states: ClosedStates, conditions: AppliedCondi
     """`Engine.bearing_loads` with what acts in contacts; ``conditions.friction`` and the result have the rows of contacts, too."""
     if not engine.structure.contacts or conditions.friction is None:
         return engine.bearing_loads(states, conditions, rates)
-    placed = _Placed(engine, states)
+    placed = _Placed(engine, states, conditions.compliance)
     found, by_effort = placed.bearing_loads(conditions, conditions.friction, rates)
     radial = np.zeros((placed.rows, *found.radial.shape[1:]))
     radial[:, :, 0] = by_effort[placed.owners]
@@ -107,24 +108,17 @@ def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray
     marks = np.concatenate([marks, np.zeros((len(contacts), 6), dtype=bool)])
     if not relations[[contact.relation for contact in contacts]].any():
         return marks, relations
-    states = ClosedStates(position, still, still)
-    placed = _Placed(engine, states)
-
-    def loaded(loads: Sequence[AppliedForce]) -> Wrenches:
-        return engine.inverse_dynamics(states, AppliedConditions(list(loads), None, None), bearings=True)
-
-    start, size = loaded(()), sum(float(inertia.mass) for inertia in engine.structure.model.inertias) or 1.0  # so that few digits are lost
-    found = [loaded(placed.loads(single, 0.0 * single)) for single in placed.singles(size)]
-    residuals = np.array([(each.relations - start.relations)[placed.relations] for each in found]).transpose(2, 1, 0) / size
-    tolerance, length = engine.structure.rank_tolerance, engine.structure.size
-    idle = np.eye(len(contacts)) - np.linalg.pinv(residuals, rcond=tolerance) @ residuals  # (n, contacts, idle)
-    unrubbed = np.zeros((placed.bearings + placed.rows, len(position[0])))
-    in_contacts = [placed.of_first_on_second(single, 0.0 * single, unrubbed) for single in placed.singles(1.0)]
-    for place, name, unit in ((0, "force", 1.0 / length), (3, "moment", 1.0)):
-        changes = np.array([(getattr(each, name) - getattr(start, name)) / size for each in found])
-        changes = np.concatenate([changes, np.array([each[place // 3] for each in in_contacts])], axis=1)
-        reached = np.einsum("nkc,kbni,ai->cbna", idle, changes, axes)
-        marks[:, place : place + 3] |= np.abs(reached).max(axis=(0, 2)) > 1e3 * tolerance * unit
+    placed = _Placed(engine, ClosedStates(position, still, still), None)
+    tolerance, ways = engine.structure.rank_tolerance, placed.ways
+    residuals = ways.relations[:, placed.relations].transpose(2, 1, 0)
+    balanced = np.eye(len(ways.relations)) - np.linalg.pinv(residuals, rcond=tolerance) @ residuals  # (n, ways, idle)
+    unrubbed, idle = np.zeros((placed.bearings + placed.rows, len(position[0]))), len(ways.relations) - len(contacts)
+    in_contacts = [placed.of_first_on_second(single, 0.0 * single, unrubbed) for single in placed.singles()]
+    for place, vectors, unit in ((0, ways.force, 1.0), (3, ways.moment, engine.structure.size)):
+        own = np.zeros((len(vectors), len(contacts), *vectors.shape[2:]))
+        own[idle:] = [each[place // 3] for each in in_contacts]
+        reached = np.einsum("nkc,kbni,ai->cbna", balanced, np.concatenate([vectors, own], axis=1), axes)
+        marks[:, place : place + 3] |= np.abs(reached).max(axis=(0, 2)) > 1e2 * tolerance * unit
     return marks, relations
 
 
@@ -145,8 +139,8 @@ def _push_backward(contact: Contact) -> float:
 class _Placed:
     """The contacts of a linkage in n states. Efforts of contacts are (contacts, n), of friction (bearings + rows, n)."""
 
-    def __init__(self, engine: Engine, states: ClosedStates) -> None:
-        self.engine, self.states = engine, states
+    def __init__(self, engine: Engine, states: ClosedStates, compliance: Array | None) -> None:
+        self.engine, self.states, self.compliance = engine, states, compliance
         self.structure, self.contacts = engine.structure, engine.structure.contacts
         self.relations = [contact.relation for contact in self.contacts]
         self.units = [contact.wrench(states.position) for contact in self.contacts]
@@ -155,10 +149,7 @@ class _Placed:
         self.pushing = [self.contacts.index(contact) for contact in _pushing(self.structure)]
         self.owners = [self.contacts.index(contact) for contact, _ in self.rubbings] + self.pushing
         self.rows = len(self.owners)
-        self.redundant = engine.redundant(states.position[:, 0])
-        n, bodies = states.v.shape[1], {body for contact in self.contacts for body in (contact.carrier, contact.first, contact.second)}
-        bodies |= {body for _, rubbing in self.rubbings for body in (rubbing.first, rubbing.second)}
-        self.bodies = sorted(bodies - {0})
+        n, self.bodies = states.v.shape[1], range(1, len(states.v) + 1)
         motion = engine.body_motion(states, self.bodies, accelerations=False)
         self.rotation = {0: np.broadcast_to(np.eye(3), (n, 3, 3))} | dict(
             zip(self.bodies, motion.rotation.transpose(0, 3, 1, 2), strict=True)
@@ -179,11 +170,11 @@ class _Placed:
         sizes[self.pushing] = efforts[self.bearings + len(self.rubbings) :]
         return sizes
 
-    def singles(self, size: float) -> Iterator[Array]:
-        """Efforts of every contact alone."""
-        for k in range(len(self.contacts)):
+    def singles(self) -> Iterator[Array]:
+        """An effort (contacts, n) of every contact alone, as large as a multiplier of 1."""
+        for k, relation in enumerate(self.relations):
             single = np.zeros((len(self.contacts), len(self.origin[0])))
-            single[k] = size
+            single[k] = self.structure.relation_units[relation]
             yield single
 
     def rubbing(self, efforts: Array) -> list[AppliedForce]:
@@ -216,9 +207,26 @@ class _Placed:
     def bearing_loads(self, conditions: AppliedConditions, efforts: Array, rates: Array) -> tuple[BearingLoads, Array]:
         """`Engine.bearing_loads` with what acts in contacts, and their efforts (contacts, n)."""
         acting = conditions.under(self.rubbing(efforts), efforts[: self.bearings])
-        by_effort = self.efforts(acting, rates)
-        pushed = self.loads(by_effort, self.pushes(efforts))
-        return self.engine.bearing_loads(self.states, acting.under(pushed, acting.friction), rates), by_effort
+        by_effort = self.efforts(acting)
+        acting = acting.under(self.loads(by_effort, self.pushes(efforts)), acting.friction)
+        found = self.engine.bearing_loads(self.states, acting, rates)
+        if self.idle is not None:
+            force = self.settled(self.engine.inverse_dynamics(self.states, acting, bearings=True)).force
+            found = found._replace(radial=np.cross(force, self._directions(rates)))
+        return found, by_effort
+
+    def _directions(self, rates: Array) -> Array:
+        """Axes (bearings, n, 3) about or along which the bearings move at joint rates (nv, n), in the world; zero of loops at rest."""
+        spin = self.engine.body_motion(replace(self.states, v=rates), self.bodies, accelerations=False).spin.transpose(0, 2, 1)
+        spins = np.concatenate([np.zeros_like(spin[:1]), spin])
+        turning = [spins[loop.joint2] - spins[loop.joint1] for loop in self.structure.loops]
+        sizes = [np.linalg.norm(each, axis=1, keepdims=True) for each in turning]
+        return np.array([*self.axes, *(each / np.where(size > 0, size, 1.0) for each, size in zip(turning, sizes, strict=True))])
+
+    @cached_property
+    def axes(self) -> Array:
+        """(nv, n, 3) axes of the joints in the world."""
+        return np.array([self.rotation[body] @ self.structure.axes[body - 1].direction for body in self.bodies])
 
     def speeds(self, rates: Array) -> Array:
         """Speeds (rows, n) with which contacts rub at joint rates (nv, n)."""
@@ -259,38 +267,82 @@ class _Placed:
             force[k], moment[k] = self._turned(contact, own / contact.count), self._turned(contact, couple / contact.count)
         return force, moment
 
-    def efforts(self, acting: AppliedConditions, rates: Array, relations: Array | None = None) -> Array:
+    # ---------------------------------------------------------------------------------------------------------- redundant equations
+
+    @cached_property
+    def idle(self) -> Idle | None:
+        """The idle forces of the engine, of efforts in joints; None where they leave the contacts alone."""
+        if not self.engine.redundant(self.states.position[:, 0]):
+            return None
+        idle = self.engine.idle(self.states)
+        reached = np.abs(idle.relations[:, self.relations]).max(initial=0.0) > self.structure.rank_tolerance
+        return idle if reached else None
+
+    @cached_property
+    def ways(self) -> Idle:
+        """The idle forces, and how the bearings and the efforts in joints balance an effort of every contact, one of `singles`."""
+        idle, nothing = self.engine.idle(self.states), AppliedConditions([], None, self.compliance)
+        start = self.engine.inverse_dynamics(self.states, nothing, bearings=True)
+        found = [self.engine.inverse_dynamics(self.states, nothing.under(self.loads(k, 0.0 * k), None), True) for k in self.singles()]
+        units = self.structure.relation_units[:, None]
+        return Idle(
+            np.concatenate([idle.relations / units, [(each.relations - start.relations) / units for each in found]]),
+            np.concatenate([idle.force, [each.force - start.force for each in found]]),
+            np.concatenate([idle.moment, [each.moment - start.moment for each in found]]),
+        )
+
+    def efforts(self, acting: AppliedConditions, relations: Array | None = None) -> Array:
         """Efforts (contacts, n) of the contacts.
 
-        Where redundant equations leave them open, the residual efforts in joints come to nothing, and among what is left the bearings are
+        Where redundant equations leave them open, the efforts left in joints come to nothing, and among what is open then the bearings are
         loaded as `engines.sharing` says.
 
         Args:
             acting: what acts besides contacts, without a law.
-            rates: (nv, n) joint rates.
             relations: (relations, n) efforts of relations without contacts, where they are known.
         """
-        own = self.relations
-        if relations is not None and not self.redundant:
-            return np.asarray(relations[own])
-        start = self.engine.bearing_loads(self.states, acting, rates)
-        if not self.redundant:
-            return np.asarray(start.relations[own])
-        count, n = len(own), start.relations.shape[1]
-        size = float(np.abs(start.relations[own]).max()) or 1.0
-        residuals, forces = np.zeros((count, count, 3, n)), np.zeros((count, self.bearings, 3, n))
-        for k, single in enumerate(self.singles(size)):
-            found = self.engine.bearing_loads(self.states, acting.under(self.loads(single, 0.0 * single), acting.friction), rates)
-            residuals[k, :, 0] = (found.relations - start.relations)[own] / size
-            forces[k] = (found.radial - start.radial).transpose(0, 2, 1) / size
-        rest = np.zeros((count, 3, n))
-        rest[:, 0] = start.relations[own]
-        scale = max([1.0 / self.structure.size, *(float(np.linalg.norm(unit.force, axis=-1).max()) for unit in self.units)])
-        idle = np.broadcast_to(np.eye(count)[:, :, None], (count, count, n))
-        radial = start.radial.transpose(0, 2, 1)
-        objectives, starts = [(residuals, 1.0), (forces, scale)], [rest, radial]
-        if acting.compliance is not None:
-            weights = np.sqrt(acting.compliance)
-            objectives.insert(1, (weights[:, None, None] * forces, scale * float(weights.max())))
-            starts.insert(1, weights[:, None, None] * radial)
-        return share(slice(None), idle, objectives, self.structure.rank_tolerance).added(starts)
+        if self.idle is None:
+            found = self.engine.inverse_dynamics(self.states, acting, bearings=False).relations if relations is None else relations
+            return np.asarray(found[self.relations])
+        shares = self._shares(self.ways, self.engine.inverse_dynamics(self.states, acting, bearings=True))
+        return np.asarray(self.structure.relation_units[self.relations][:, None] * shares[-len(self.contacts) :])
+
+    def settled(self, found: Wrenches) -> Wrenches:
+        """Wrenches with idle forces, so that contacts leave no efforts in joints."""
+        if self.idle is None:
+            return found
+        units, count = self.structure.relation_units[:, None], len(self.idle.relations)
+        idle = Idle(*(each[:count] for each in self.ways))
+        shares = self._shares(idle, found)
+        more = (np.einsum("kn,k...n->...n", shares, np.moveaxis(each, 2, -1)) for each in (units * idle.relations, idle.force, idle.moment))
+        relations, force, moment = more
+        return replace(
+            found,
+            relations=found.relations + relations,
+            force=found.force + np.moveaxis(force, -1, 1),
+            moment=found.moment + np.moveaxis(moment, -1, 1),
+        )
+
+    def _shares(self, ways: Idle, start: Wrenches) -> Array:
+        """Multiples (k, n) of ways by which bearings share forces, and contacts leave no efforts in joints; ``start``: without them."""
+        n = len(self.origin[0])
+        residuals, rest = np.zeros((len(ways.relations), len(self.contacts), 3, n)), np.zeros((len(self.contacts), 3, n))
+        residuals[:, :, 0] = ways.relations[:, self.relations]
+        rest[:, 0] = (start.relations / self.structure.relation_units[:, None])[self.relations]
+        forces, force = self._across(ways.force, False), self._across(start.force[None], False)[0]
+        objectives, starts = [(residuals, 1.0)], [rest]
+        if self.compliance is not None:
+            weights = np.sqrt(self.compliance)[:, None, None]
+            objectives.append((weights * forces, float(weights.max())))
+            starts.append(weights * force)
+        objectives += [(forces, 1.0), (self._across(ways.moment, True), self.structure.size)]
+        starts += [force, self._across(start.moment[None], True)[0]]
+        unit = np.broadcast_to(np.eye(len(ways.relations))[:, :, None], (len(ways.relations), len(ways.relations), n))
+        return share(slice(None), unit, objectives, self.structure.rank_tolerance).added(starts)
+
+    def _across(self, vectors: Array, turning: bool) -> Array:
+        """Vectors (k, bearings, n, 3) as (k, bearings, 3, n), without their components along the axes of joints that turn, or slide."""
+        joints = np.flatnonzero(self.structure.turns == turning)
+        result = vectors.copy()
+        result[:, joints] -= np.einsum("kjni,jni->kjn", vectors[:, joints], self.axes[joints])[..., None] * self.axes[joints]
+        return np.asarray(result.transpose(0, 1, 3, 2))

@@ -15,7 +15,7 @@ from ...common.quantities import Array, ComplexArray
 from ..body_motion import BodyMotion
 from ..engine import CloseDrivers, ClosedStates, Closure, JointRates
 from ..structure import Structure
-from ..wrenches import AppliedConditions, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, BearingLoads, Idle, Wrenches
 from . import closing, kinematics
 from .bodies import Bodies, build_bodies
 from .equations import Equations
@@ -123,6 +123,11 @@ class PlanarEngine:
         from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load
 
         return bearing_loads(self._statics, self._closed(states), conditions, rates)
+
+    def idle(self, states: ClosedStates) -> Idle:
+        from .inverse_dynamics import idle_wrenches  # slow to import, and not needed to load
+
+        return idle_wrenches(self._statics, self._closed(states))
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load

@@ -15,7 +15,7 @@ from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..friction import FrictionLaw
-from ..wrenches import AppliedConditions, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, BearingLoads, Idle, Wrenches
 from . import out_of_plane
 from .balance import (
     IdleForces,
@@ -207,6 +207,23 @@ def bearing_loads(statics: Statics, states: ClosedStates, conditions: AppliedCon
         if axial is not None:
             radial[joint, :, 2] = axial[joint]
     return BearingLoads(_bearing_speeds(plane, rates), radial, plane.relation_units[:, None] * multipliers)
+
+
+def idle_wrenches(statics: Statics, states: ClosedStates) -> Idle:
+    """See `Engine.idle`; the states have their basis."""
+    plane, moving = statics.plane, _moving(statics, states)
+    found, n = idle_forces(statics, moving.configurations), states.v.shape[1]
+    if found is None:
+        return Idle(np.zeros((0, len(plane.offsets), n)), *np.zeros((2, 0, statics.bearing_count, n, 3)))
+    force, moment = np.zeros((2, *found.bearings.shape, 3))
+    functions, still, without = moving.configurations, np.zeros_like(moving.second), np.zeros(n)
+    for k, (forces, multipliers) in enumerate(zip(found.bearings, found.multipliers, strict=True)):
+        _put_forces(plane, forces, force[k])
+        moments = _moments_about_normal(statics, multipliers, without, None, None)
+        add_moments_of_guides(plane, statics.guided, functions.functions, functions.ways, still, list(forces), (), moments)
+        for bearing, values in moments.items():
+            put_normal(plane, values, moment[k, bearing])
+    return Idle(plane.relation_units[:, None] * found.multipliers, force, moment)
 
 
 def _bearing_speeds(plane: Plane, rates: Array) -> Array:

@@ -16,7 +16,7 @@ from ..body_motion import BodyMotion
 from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, JointRates
 from ..pinocchio.equations import redundant
 from ..structure import Structure
-from ..wrenches import AppliedConditions, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, BearingLoads, Idle, Wrenches
 from . import bodies, closing, equations
 from .equations import AT_ONCE, Kinematics, Loops, build_loops
 
@@ -98,6 +98,11 @@ class EngineInSpace(ABC):
         from .inverse_dynamics import bearing_loads  # not needed to load
 
         return bearing_loads(self.loops, states, conditions, rates, self._method())
+
+    def idle(self, states: ClosedStates) -> Idle:
+        from .inverse_dynamics import idle_forces  # not needed to load
+
+        return idle_forces(self.loops, states.position, self._method())
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         from .inverse_dynamics import indeterminate  # not needed to load

@@ -19,7 +19,7 @@ from ..body_motion import components_first, cross
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..friction import FrictionLaw
 from ..sharing import Shared, share
-from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..wrenches import AppliedConditions, AppliedForce, BearingLoads, Idle, Wrenches
 from .bodies import Placements, accelerations, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
 from .equations import AT_ONCE, Equations, Kinematics, Loops, loop_turning
@@ -88,27 +88,36 @@ def bearing_loads(loops: Loops, states: ClosedStates, conditions: AppliedConditi
     return BearingLoads(speed, radial, relations)
 
 
+def idle_forces(loops: Loops, position: Array, by: Method) -> Idle:
+    """The idle forces at positions (nv, n); see `Engine.idle`."""
+    structure, n = loops.structure, position.shape[1]
+    parts, units = [], structure.relation_units
+    for start in range(0, n, loops.piece):
+        equations = by.kinematics.equations(loops, position[:, start : start + loops.piece])
+        for part in PassiveColumns(loops, equations.entries, by.kinematics.in_blocks).parts:
+            if part.idle.shape[2] and len(part.idle):
+                parts.append((np.arange(start, min(start + loops.piece, n))[part.states], equations, part))
+    count = max((part.idle.shape[2] for _, _, part in parts), default=0)
+    relations = np.zeros((count, len(units), n))
+    force, moment = np.zeros((2, count, structure.model.nv + len(structure.loops), n, 3))
+    for states, equations, part in parts:
+        idle = _configurations_last(part.idle)
+        forces, moments = _loop_wrenches(loops, equations, part.states, idle)
+        relations[: len(idle), :, states] = units[:, None] * idle[:, loops.rows - len(units) :]
+        force[: len(idle), :, states] = _forces_of_bearings(loops, forces).transpose(0, 1, 3, 2)
+        moments = _moments_of_bearings(loops, equations, part.states, forces, moments)
+        moment[: len(idle), :, states] = moments.transpose(0, 1, 3, 2)
+    return Idle(relations, force, moment)
+
+
 def indeterminate(loops: Loops, position: Array, axes: Array, by: Method) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Force and moment components (bearings, 6) along the rows of ``axes`` (3, 3), and efforts of relations (nr,), that idle forces
     change in any of the positions (nv, n); see `Engine.indeterminate`."""
-    structure = loops.structure
-    marks, relations = np.zeros((structure.model.nv + len(structure.loops), 6), dtype=bool), np.zeros(len(structure.relations), dtype=bool)
-    for start in range(0, position.shape[1], loops.piece):
-        equations = by.kinematics.equations(loops, position[:, start : start + loops.piece])
-        for part in PassiveColumns(loops, equations.entries, by.kinematics.in_blocks).parts:
-            if not part.idle.shape[2] or not len(part.idle):
-                continue
-            idle = _configurations_last(part.idle)
-            forces, moments = _loop_wrenches(loops, equations, part.states, idle)
-            for place, vectors, unit in (
-                (0, _forces_of_bearings(loops, forces), 1.0),
-                (3, _moments_of_bearings(loops, equations, part.states, forces, moments), structure.size),
-            ):
-                marks[:, place : place + 3] |= (
-                    np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > structure.rank_tolerance * unit
-                )
-            relations |= np.abs(idle[:, loops.rows - len(relations) :]).max(axis=(0, 2)) > structure.rank_tolerance
-    return marks, relations
+    structure, idle = loops.structure, idle_forces(loops, position, by)
+    parts = [np.einsum("ai,kbni->kbna", axes, vectors) / unit for vectors, unit in ((idle.force, 1.0), (idle.moment, structure.size))]
+    reached = np.abs(np.concatenate(parts, axis=3)).max(axis=(0, 2), initial=0.0)
+    efforts = np.abs(idle.relations).max(axis=(0, 2), initial=0.0) / structure.relation_units
+    return reached > structure.rank_tolerance, efforts > structure.rank_tolerance
 
 
 def _open_tree(loops: Loops, equations: Equations, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:

@@ -53,3 +53,21 @@ def random_gears(seed: int, kind: str) -> pp.Linkage:
     for link, at in centers.items():
         drawing.body(link, 10 ** random.uniform(0.5, 2), at + 0.1 * abs(wrist) * complex(*random.normal(size=2)))
     return load(drawing.urdf(driver))
+
+
+def geared_cranks(seed: int, pressure_angle: float = 0.0) -> pp.Linkage:
+    """Two geared cranks that draw one slide, which its guide holds too: one equation is redundant, of teeth and rods together."""
+    drawing, random = Drawing("geared_cranks"), np.random.default_rng(seed)
+    sides = {"L": -0.2, "R": 0.2}
+    for side, x in sides.items():
+        drawing.joint(f"O{side}", "frame", f"crank{side}", complex(x, 0))
+        drawing.joint(f"P{side}", f"crank{side}", f"rod{side}", complex(1.3 * x, 0.05))
+    drawing.joint("G", "frame", "slide", -0.8j, along=1j)
+    for side, x in sides.items():
+        drawing.loop(f"W{side}", f"rod{side}", "slide", complex(0.9 * x, -0.8))
+        drawing.body(f"crank{side}", 10 ** random.uniform(0.5, 2), complex(x, 0) + 0.05 * complex(*random.normal(size=2)))
+        drawing.body(f"rod{side}", 10 ** random.uniform(0.5, 2), complex(x, -0.4) + 0.05 * complex(*random.normal(size=2)))
+    drawing.body("slide", 10 ** random.uniform(0.5, 2), -0.8j)
+    gears = 'gear1="crankL" gear2="crankR" teeth1="30" teeth2="30" carrier="frame"'
+    drawing.elements.append(f'<gear_mesh name="teeth" {gears} pressure_angle="{pressure_angle}"/>')
+    return load(drawing.urdf("OL"))
