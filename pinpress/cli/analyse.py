@@ -18,9 +18,12 @@ from ..dynamics.driving_energy import driving_energy
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.reactions import Reactions
+from ..jobs.bearings import pins_of
 from ..jobs.job import Job, stopping_results, traces_of
 from ..ratings.along_motion import MotionRatings
+from ..ratings.emergency_stops import StoppingTimes
 from ..ratings.permissible_force import capacities_in_words
+from ..ratings.pin_use import PinRatings
 from ..ratings.rating import PressRatings
 from ..simulation.described import run as sections_of
 from ..visual.recording import traced
@@ -28,6 +31,8 @@ from .options import SHORT, SIGNS, add_job_options, open_job, print_inputs, say_
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
+
+FILES = {PinRatings: "pins.csv", StoppingTimes: "stopping.csv"}
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -37,9 +42,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         help="driving torque and all bearing forces over a period or motion, what the press permits, and the steady state of its motor",
         description="Turn a press through one period at constant speed (one turn of the crank, or with gears the number of turns after\n"
         "which the press repeats itself), or move one or several drivers by the table of motion. Prints slide, torque and forces; with\n"
-        "capacities the permissible force; with stopping the stops under the brake; with a flywheel its drop of speed; with a motor the\n"
-        "steady state. With --out also writes cycle.csv (every quantity in every state), ratings.csv and ratings.png, stopping.csv, and\n"
-        "the pages recording.html and report.html.",
+        "capacities the permissible force; with sizes of bearings their pressure and life; with stopping the stops under the brake; with\n"
+        "a flywheel its drop of speed; with a motor the steady state. With --out also writes cycle.csv (every quantity in every state),\n"
+        "ratings.csv and ratings.png, pins.csv, stopping.csv, and the pages recording.html and report.html.",
         epilog=SIGNS + SHORT + "pinpress analyse press.yaml --out out",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -59,6 +64,7 @@ def run(options: argparse.Namespace) -> int:
     ratings = job.rate() if "capacities" in job.sections else None
     results: list[Tabular] = [] if ratings is None else [ratings]
     shares = [] if ratings is None or not job.loads else [permitted(reactions, ratings)]
+    results += [job.pins()] if pins_of(job.press, job.bearings) else []
     results += stopping_results(job) if "stopping" in job.sections else []
     more = [line for each in results for line in ("", str(each))]
     if "motion" not in job.sections and len(job.press.drivers) == 1 and job.press.driver_coordinates[0].turns:
@@ -147,9 +153,10 @@ def _write(job: Job, reactions: Reactions, ratings: Any, results: list[Tabular],
     reactions.to_csv(folder / "cycle.csv")
     record(job.press, reactions.motion, folder / "recording.html", reactions=reactions, traces=traces_of(job), flywheel=job.flywheel)
     names = ["cycle.csv", "recording.html", *write_report(job, folder, results=results)]
-    if "stopping" in job.sections:
-        job.stopping().to_csv(folder / "stopping.csv")
-        names.append("stopping.csv")
+    for result in results:
+        if file := FILES.get(type(result)):
+            result.to_csv(folder / file)
+            names.append(file)
     if ratings is None:
         say_written(folder, names)
         return

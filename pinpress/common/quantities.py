@@ -253,6 +253,7 @@ QUANTITIES = (
     Quantity("turning stiffness", "N m/rad", (("N m/rad", 1.0, 0.0), ("kN m/rad", 1e3, 1e4), ("MN m/rad", 1e6, 1e7))),
     Quantity("turning damping", "N m s/rad", (("N m s/rad", 1.0, 0.0), ("kN m s/rad", 1e3, 1e4))),
     Quantity("pressure", "Pa", (("Pa", 1.0, 0.0), ("kPa", 1e3, 1e3), ("MPa", 1e6, 1e5)), {"bar": 1e5, "GPa": 1e9, "N/mm2": 1e6}),
+    Quantity("p v", "W/m2", (("W/m²", 1.0, 0.0), ("W/mm²", 1e6, 1e3))),
     Quantity("compliance", "m/N", (("µm/kN", 1e-9, 0.0),)),
     Quantity("slope", "m/m", (("µm/m", 1e-6, 0.0),)),
     Quantity("expansion", "m/K", (("µm/K", 1e-6, 0.0),)),

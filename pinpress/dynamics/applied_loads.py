@@ -403,7 +403,14 @@ def relative_turn(press: "Linkage", link1: str, link2: str, what: str) -> Relati
         UnknownNameError: a link that the linkage does not have.
         PinpressError: between them joints turn about axes that are not parallel.
     """
-    first, second = bodies = body_of(press, link1), body_of(press, link2)
+    bodies = body_of(press, link1), body_of(press, link2)
+    remedy = "in inverse_dynamics give a PointMoment by a function of the motion"
+    return turn_between(press, bodies, f"{what}: between {shown(link1)} and {shown(link2)}", remedy)
+
+
+def turn_between(press: "Linkage", bodies: tuple[int, int], what: str, remedy: str) -> RelativeTurn | None:
+    """How the second of two bodies turns against the first, by their numbers; otherwise as `relative_turn`."""
+    first, second = bodies
     between = joints_between([parent - 1 for parent in list(press.model.parents)[1:]], first - 1, second - 1)
     placed, axes = drawn_placements(press.model), press.axes
     turning = [joint for joint in between if axes[joint].turns]
@@ -416,8 +423,8 @@ def relative_turn(press: "Linkage", link1: str, link2: str, what: str) -> Relati
         own = placed[joint + 1].rotation @ axes[joint].direction
         if not np.linalg.norm(np.cross(own, axis)) <= PARALLEL:
             raise PinpressError(
-                f"{what}: between {shown(link1)} and {shown(link2)} joints {press.joints[begin]} and {press.joints[joint]} turn about axes"
-                " that are not parallel, so that there is no one angle: in inverse_dynamics give a PointMoment by a function of the motion"
+                f"{what} joints {press.joints[begin]} and {press.joints[joint]} turn about axes"
+                f" that are not parallel, so that there is no one angle: {remedy}"
             )
         by[joint] = between[joint] * np.sign(own @ axis)
     return RelativeTurn(bodies, placed[second].rotation.T @ axis, by)

@@ -15,6 +15,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from ..common.errors import PinpressError
 from ..common.numerics import bracketed_roots, polynomial_values, quintics
 from ..common.quantities import Array
 from ..engines.machine_elements.cams import CamContact
@@ -85,6 +86,40 @@ def peak_states(reactions: Reactions, quantities: Callable[[Reactions], Iterable
     places = np.searchsorted(times, all_times).clip(0, len(times) - 1)
     weight = np.where(times[places] == all_times, _weights(path, times)[places], 0.0)
     return PeakStates(at_peaks, _remarks(at_peaks, all_times, jumps, distance), weight)
+
+
+def integration_states(reactions: Reactions, reversing: Callable[[Motion], Iterable[tuple[Array, Array]]]) -> tuple[Reactions, Array]:
+    """States and weights (n,) [s] that integrate quantities over the time of a motion: by Gauss's rule between its states, the jumps of
+    loads and friction, and the zeros of functions. The zeros are states too, of weight 0.
+
+    A motion that is known in its states alone is integrated by trapezoids.
+
+    Args:
+        reactions: to the motion.
+        reversing: gives values and slopes in time (n,) of functions that pass zero where an integrand has a corner.
+
+    Raises:
+        PinpressError: the motion has no times.
+    """
+    path, motion = _path(reactions), reactions.motion
+    if path is None:
+        if motion._time is None or len(motion.time) < 2:
+            raise PinpressError("the motion has no times, over which to integrate: give servo_cycle(press, angle, time=time)")
+        steps = np.diff(motion.time)
+        return reactions, 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    crossings, turns = _crossings(reactions, path)
+    events = motion.jumps if isinstance(motion, Simulated) else None
+    jumps = np.concatenate([crossings, turns, [] if events is None else events])
+    states = path.times[: len(motion.crank_angle)]
+    count = len(list(reversing(motion)))
+    zeros = [_roots(path, lambda motion, k=k: list(reversing(motion))[k], states, motion) for k in range(count)]  # type: ignore[misc]
+    ends = np.unique(np.concatenate([path.times, jumps, *zeros]))
+    ends = np.append(ends[:-1][np.diff(ends) > SIDE * path.step], ends[-1])
+    nodes, shares = np.polynomial.legendre.leggauss(4)
+    half = 0.5 * np.diff(ends)
+    times = np.column_stack([ends[:-1], ends[:-1, None] + half[:, None] * (1 + nodes)]).ravel()
+    weight = np.column_stack([np.zeros(len(half)), half[:, None] * shares]).ravel()
+    return in_other_states(reactions, path.at(times)), weight
 
 
 # ------------------------------------------------------------------------------------------------------------ the motion between its states

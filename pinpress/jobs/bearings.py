@@ -9,12 +9,13 @@ from typing import Any
 from ..common.errors import PinpressError
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction
+from ..ratings.pin_use import PlainBearing, RollingBearing
 from ..simulation.elastic.contact import Clearance
 from ..simulation.elastic.description import Elastic, Stiffness
 from .grammar import ALL
 from .kinds import Bearing
 
-OF_PINS = ("radius", "diameter", "width", "clearance")  # of which `all` says nothing to guides
+OF_PINS = ("radius", "diameter", "width", "clearance", "pressure", "wear_rate", "rolling")  # of which `all` says nothing to guides
 OF_FRICTION = ("friction", "viscous", "preload")
 
 
@@ -81,6 +82,18 @@ def frictions_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str
     if lacking:
         turn = "turns" if len(lacking) == 1 else "turn"
         raise PinpressError(f"friction of {', '.join(lacking)}, which {turn}, without a radius; add diameter: 120 mm, or radius: 60 mm")
+    return found
+
+
+def pins_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str, PlainBearing | RollingBearing]:
+    """The bearings to rate: those that roll, and all other pins with diameter and width."""
+    unfit = _welded(press) | {loop.name for loop in press.loops if loop.type == "spherical" and "plane" not in press.engines}
+    found: dict[str, PlainBearing | RollingBearing] = {}
+    for name, each in bearings.items():
+        if each.rolling is not None:
+            found[name] = each.rolling
+        elif each.diameter is not None and each.width is not None and turns(press, name) and name not in unfit:
+            found[name] = PlainBearing(each.diameter, each.width, each.pressure, each.wear_rate)
     return found
 
 

@@ -36,6 +36,7 @@ from ..pin_table.building import DrawnPress
 from ..ratings.along_motion import MotionRatings, rate_motion
 from ..ratings.emergency_stops import StoppingTimes, stopping
 from ..ratings.permissible_force import Capacities
+from ..ratings.pin_use import PinRatings, pins
 from ..ratings.rating import PressRatings, rate
 from ..ratings.safety_distance import SafetyDistance
 from ..simulation.elastic.description import Elastic, Stiffness
@@ -43,7 +44,7 @@ from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
 from ..visual.reports.header import Header
-from .bearings import bearings_of, clearances_of, elastic_of, frictions_of
+from .bearings import bearings_of, clearances_of, elastic_of, frictions_of, pins_of
 from .grammar import SECTIONS
 from .kinds import Bearing
 from .reading import check_names, counted_from, press_of, read_value
@@ -438,6 +439,15 @@ class Job(Frozen):
             self.press, self.speed, self.capacities, at_speed=at_speed, loads=beside if at_speed else [], friction=self.friction, **more
         )
 
+    def pins(self) -> PinRatings:
+        """The pins and rolling bearings in the motion of the page."""
+        found = pins_of(self.press, self.bearings)
+        if not found:
+            lacking = "no bearing has diameter and width, or rolling"
+            self._refuse("bearings", lacking, "write bearings: {W: {diameter: 80 mm, width: 80 mm}}")
+        with self._naming("bearings"):
+            return pins(motion_of(self), found)
+
     def stopping(self) -> StoppingTimes:
         """The stops under the brake after a signal at any crank angle, with the loads that always act, such as balance cylinders."""
         return self._stopping
@@ -642,6 +652,8 @@ def results_of(job: Job) -> Iterator[Tabular]:
         yield from job.traces()
     if "capacities" in has:
         yield job.rate()
+    if pins_of(job.press, job.bearings):
+        yield job.pins()
     if "stopping" in has:
         yield from stopping_results(job)
     if "motor" in has and not moving and len(job.press.drivers) == 1:

@@ -26,6 +26,7 @@ from ..loads.link import PointForce, PointMoment, SpringDamper, TorsionSpring
 from ..loads.pneumatics import BalanceCylinder, PneumaticCushion
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from ..loads.shearing import RateSensitiveBlanking
+from ..ratings.pin_use import EXPONENTS, RollingBearing
 from ..servo.drive import ServoDrive
 from ..servo.limits import (
     BearingForce,
@@ -173,6 +174,9 @@ class Bearing(Checked):
         clearance: of a pin, or None.
         joint: preloaded gibs of a guide, in place of its stiffness, or None.
         permissible: largest force [N].
+        pressure: permissible, of the projected surface of a pin [Pa].
+        wear_rate: worn volume by force and rubbing way [1/Pa].
+        rolling: bearings on the pin that roll, or None. Other pins with diameter and width are plain bearings.
     """
 
     friction: float | None = field(default=None, metadata=parameter("-", "not negative"))
@@ -186,6 +190,9 @@ class Bearing(Checked):
     clearance: Clearance | None = None
     joint: PreloadedJoint | None = None
     permissible: float | None = field(default=None, metadata=parameter("N", "positive"))
+    pressure: float | None = field(default=None, metadata=parameter("Pa", "positive"))
+    wear_rate: float | None = field(default=None, metadata=parameter("1/Pa", "not negative"))
+    rolling: RollingBearing | None = None
 
 
 class Viscous(Number):
@@ -197,10 +204,11 @@ class Viscous(Number):
         return super().read(entry, replace(around, coordinate=RAM if in_guide else CRANK))
 
 
+ROLLING = Part(RollingBearing, "{rating: 800 kN, kind: roller, count: 2}", {"kind": Text(tuple(EXPONENTS))})
 BEARING = Part(
     Bearing,
     "{friction: 0.05, diameter: 200 mm, width: 160 mm}",
-    {"viscous": Viscous("N m s/rad"), "clearance": CLEARANCE, "joint": JOINT},
+    {"viscous": Viscous("N m s/rad"), "clearance": CLEARANCE, "joint": JOINT, "rolling": ROLLING},
 )
 
 # ------------------------------------------------------------------------------------------------------------------------------- servo

@@ -7,6 +7,11 @@ from .eccentric_loads import permissible_eccentricity as permissible_eccentricit
 from .emergency_stops import StoppingTimes as StoppingTimes
 from .emergency_stops import stopping as stopping
 from .permissible_force import Capacities as Capacities
+from .pin_use import PinRatings as PinRatings
+from .pin_use import PinUse as PinUse
+from .pin_use import PlainBearing as PlainBearing
+from .pin_use import RollingBearing as RollingBearing
+from .pin_use import pins as pins
 from .rating import PressRatings as PressRatings
 from .rating import rate as rate
 from .safety_distance import SafetyDistance as SafetyDistance

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..common.outlets.described import Along, Block, Chart, Column, Curve, Figure, Mark, Section, Table
-from ..common.quantities import RPM, Array, quantity
+from ..common.quantities import RPM, Array, DriverCoordinate, quantity
 from ..dynamics.described import along_states, drawn_states
 from ..dynamics.inputs import written
 from ..dynamics.reactions import Reactions
@@ -15,6 +17,7 @@ from ..kinematics.slide_path import dead_centres
 from .along_motion import MotionRatings, limits_in_words
 from .emergency_stops import FULL, StoppingTimes
 from .permissible_force import capacities_in_words
+from .pin_use import PinRatings, PinUse
 from .rating import PressRatings, conditions_in_words
 from .safety_distance import SafetyDistance
 
@@ -243,5 +246,64 @@ def _degrees(angle: float) -> str:
     return f"{np.degrees(angle):.2f} deg"
 
 
-SECTIONS = {PressRatings: press_ratings, MotionRatings: motion_ratings, StoppingTimes: stops, SafetyDistance: safety_distance}
+def pins(result: PinRatings, page: object = None) -> tuple[Section, ...]:
+    """Plain and rolling bearings of a press with what a motion makes of them."""
+    first = result._press.driver_coordinates[0]
+    plain = [each for each in result.uses.values() if each.rubbing_way is not None]
+    rolling = [each for each in result.uses.values() if each.rubbing_way is None]
+    figures, tables = [], []
+    if plain:
+        pressed, rubbed = max(plain, key=lambda each: each.largest_pressure or 0.0), max(plain, key=lambda each: each.pv or 0.0)
+        limit = getattr(result.bearings[pressed.bearing], "pressure", None)
+        figures.append(Figure("largest pressure", pressed.largest_pressure or 0.0, "Pa", f"in {pressed.bearing}", limit, kind="bearing"))
+        figures.append(Figure("largest mean p v", rubbed.pv or 0.0, "p v", f"in {rubbed.bearing}"))
+        limits = [getattr(result.bearings[each.bearing], "pressure", None) for each in plain]
+        worn = [None if each.wear is None else 1e6 * each.wear for each in plain]
+        columns = [
+            *_forces_of(plain, first),
+            Column("largest pressure", [each.largest_pressure for each in plain], "Pa"),
+            *([Column("permissible", limits, "Pa")] if any(limits) else []),
+            Column("mean pressure", [each.pressure for each in plain], "Pa"),
+            Column("mean p v", [each.pv for each in plain], "p v"),
+            Column("largest p v", [each.largest_pv for each in plain], "p v"),
+            Column("rubbing way", [each.rubbing_way for each in plain], "height"),
+            *([Column("wear in a million strokes", worn, "m")] if any(worn) else []),
+        ]
+        tables.append(
+            Table(
+                "plain_bearings", "Plain bearings", columns, "Way: of a stroke. Pressure: of the projected surface; 1 W/mm² is 1 MPa m/s."
+            )
+        )
+    if rolling:
+        shortest = min(rolling, key=lambda each: each.hours or 0.0)
+        figures.append(
+            Figure("shortest life", shortest.hours or 0.0, "number", f"hours of this motion, L10 of {shortest.bearing}", kind="bearing")
+        )
+        safe = [each.static_safety for each in rolling]
+        columns = [
+            *_forces_of(rolling, first),
+            Column("way", [each.way for each in rolling], "angle"),
+            Column("swing", [each.swing for each in rolling], "angle"),
+            Column("equivalent load", [each.equivalent_load for each in rolling], "N"),
+            Column("million strokes", [1e-6 * (each.strokes or 0.0) for each in rolling], "number"),
+            Column("hours", [each.hours for each in rolling], "number"),
+            *([Column("static safety", safe, "number")] if any(safe) else []),
+        ]
+        note = "Life L10 in strokes and in hours of this motion, by ISO 281 without factors for lubricant and reliability."
+        tables.append(Table("rolling_bearings", "Rolling bearings", columns, note))
+    return (Section("Pins and bearings", figures, tables, press=result._press),)
+
+
+def _forces_of(uses: Sequence[PinUse], first: DriverCoordinate) -> list[Column]:
+    place = Column("at", [each.at for each in uses], "angle" if first.turns else "height")
+    return [Column("bearing", [each.bearing for each in uses]), Column("largest force", [each.largest_force for each in uses], "N"), place]
+
+
+SECTIONS = {
+    PressRatings: press_ratings,
+    MotionRatings: motion_ratings,
+    StoppingTimes: stops,
+    SafetyDistance: safety_distance,
+    PinRatings: pins,
+}
 """How results of this room are described."""

@@ -102,7 +102,7 @@ def test_a_shipped_press_needs_no_file(folder: Path, capsys: pytest.CaptureFixtu
 
 def test_analysis_writes_what_it_says(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, "analyse", PRESS, "--set", "points=90", "--set", "traces={coupler: 0.6 0 0.1 m}", "--out", "made/out")
-    names = ["cycle.csv", "recording.html", "report.html", "ratings.csv", "ratings.png"]
+    names = ["cycle.csv", "recording.html", "report.html", "pins.csv", "ratings.csv", "ratings.png"]
     assert {path.name for path in (folder / "made/out").iterdir()} == set(names)
     for word in ("Steady state under the motor near 70 r/min", "of the permissible force", "inertia it takes", "time taken"):
         assert word in text

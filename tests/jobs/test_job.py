@@ -116,6 +116,17 @@ def test_sections_of_tables_are_those_of_jobs() -> None:
     assert set(BESIDE) == set(SECTIONS) - {"file", "drivers", "floating", "pose"}
 
 
+def test_pins_of_a_job_are_those_of_the_library_and_all_says_nothing_to_guides() -> None:
+    rolling = {"rating": 8e5, "kind": "ball", "count": 2}
+    job = pp.job("crank_slide", speed=5.0, bearings={"all": {"diameter": 0.1, "width": 0.08}, "O": {"rolling": rolling}})
+    plain = pp.ratings.PlainBearing(0.1, 0.08)
+    by_library = pp.ratings.pins(job.reactions(), {"P": plain, "W": plain, "O": pp.ratings.RollingBearing(8e5, "ball", 2)})
+    assert dict(job.pins().uses) == dict(by_library.uses)
+    assert [type(each).__name__ for each in results_of(job)] == ["PinRatings"]
+    with pytest.raises(pp.PinpressError, match="no bearing has diameter and width, or rolling; write bearings"):
+        pp.job("crank_slide", speed=5.0).pins()
+
+
 @pytest.mark.exhaustive
 def test_stops_of_a_job_are_those_of_the_library_with_the_loads_that_always_act() -> None:
     stop = {"delay": 0.02, "inertia": 1.0, "control": 0.01, "edition": "ANSI B11.19", "resolution": 0.02}

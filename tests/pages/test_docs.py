@@ -34,6 +34,7 @@ RUN = [
     "recording",
     "robots",
     "servo",
+    "pins",
     "several_drivers",
     "simulation",
     "slide_accuracy",

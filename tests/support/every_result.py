@@ -136,6 +136,12 @@ def reactions():
 
 
 @cache
+def rated_pins():
+    plain = pp.ratings.PlainBearing(0.08, 0.08, pressure=4e7, wear_rate=1e-15)
+    return pp.ratings.pins(reactions(), {"W": plain, "O": pp.ratings.RollingBearing(8e5, static_rating=1e6)})
+
+
+@cache
 def stops():
     return pp.ratings.stopping(press(), SPEED, 500.0, 0.02, 0.03, monitor=0.02, inertia=1.0)
 
@@ -412,6 +418,8 @@ def descriptions():
         pp.elasticity.FlexibleLink(**flexible_rod()),
         CAPACITIES,
         pp.ratings.Gibs(0.3, 0.1, normal=(1.0, 0.0, 0.0), middle=0.1),
+        pp.ratings.PlainBearing(0.08, 0.09, pressure=4e7, wear_rate=1e-15),
+        pp.ratings.RollingBearing(8e5, kind="ball", count=2, static_rating=1e6),
         pp.tolerances.link_length(press(), "P", "W", 5e-5),
         pp.tolerances.GuideClearance(2e-5, 0.2),
         pp.tolerances.PermissibleSlope(2e-5, 6e-5, 1e5, (0.1, 0.0)),
@@ -491,6 +499,7 @@ def made():
         pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
         *(guided(), guided().surfaces[0], guided().opened[0], campbell(), campbell().resonances[0]),
         *(pp.ratings.rate(press(), SPEED, CAPACITIES, points=9), pp.ratings.speed_limit(press(), CAPACITIES)),
+        *(rated_pins(), *rated_pins().uses.values()),
         *(stops(), stops().worst, *stops().cases.values(), stops().distance("ANSI B11.19", resolution=0.014)),
         pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
         pp.ratings.eccentric_load(
@@ -570,6 +579,8 @@ DESCRIPTIONS = {
     "Parameter",
     "Parts",
     "Pin",
+    "PlainBearing",
+    "RollingBearing",
     "Stiffness",
     "Tool",
     "Tree",

@@ -401,6 +401,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
     "ratings.rate": {"contact_height": 0.01, "dwell_tolerance": 1e-3},
     "ratings.rate_motion": {"capacities": pp.ratings.Capacities(1e5, drivers={"O": 1e6})},
     "ratings.speed_limit": {"torque": 1e3},
+    "ratings.pins": {"bearings": {"W": pp.ratings.PlainBearing(0.08, 0.08), "O": pp.ratings.RollingBearing(5e5)}},
     "ratings.stopping": {"brake": 500.0, "delay": 0.03, "rise": 0.05, "monitor": 0.02, "inertia": 1.0},
     "servo": {
         "drive": every_result.SERVO,

@@ -1,0 +1,263 @@
+"""Pins and rolling bearings: pressure, rubbing way, wear, equivalent load and life, from the forces and the true turn between two links.
+
+Every sum over the motion is an integral between the edges of loads and the reversals of each bearing, where force or speed jump: in equal
+states a blow of a few degrees is counted wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from ..common.arguments import expect, typed, whole_number
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
+from ..common.frozen import FrozenMapping
+from ..common.parameters import Checked, parameter
+from ..common.quantities import Array
+from ..common.results import Record, Records, Tabular
+from ..common.tables import Columns
+from ..dynamics.applied_loads import RelativeTurn, turn_between
+from ..dynamics.extremes import at_peaks
+from ..dynamics.peaks import integration_states
+from ..dynamics.reactions import Reactions
+from ..kinematics.motion import Motion, is_cycle
+from ..kinematics.poses import rotation_of
+from ..kinematics.slide_path import stroke_turns
+from ..linkage.linkage import Linkage, OfPress
+
+EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}  # of life by load, ISO 281
+FRETTING = math.radians(5.0)  # below a swing of about this size rolling bearings fret, and the life of ISO 281 says nothing
+
+
+@dataclass(frozen=True)
+class PlainBearing(Checked):
+    """A plain bearing of a pin.
+
+    Attributes:
+        diameter: of the pin [m].
+        width: of the bearing, of all its parts together [m].
+        pressure: permissible projected pressure [Pa]; None: no limit.
+        wear_rate: worn volume by force and rubbing way, k of Archard's law [1/Pa]: 1e-15 is 1e-6 mm3/(N m). None: no wear is computed.
+    """
+
+    diameter: float = field(metadata=parameter("m", "positive"))
+    width: float = field(metadata=parameter("m", "positive"))
+    pressure: float | None = field(default=None, metadata=parameter("Pa", "positive"))
+    wear_rate: float | None = field(default=None, metadata=parameter("1/Pa", "not negative"))
+
+
+@dataclass(frozen=True)
+class RollingBearing(Checked):
+    """Rolling bearings on a pin, for radial load.
+
+    Attributes:
+        rating: dynamic load rating C of one bearing [N].
+        kind: "ball" or "roller".
+        count: bearings next to each other that share the force equally.
+        static_rating: static load rating C0 of one bearing [N]; None: no static safety.
+    """
+
+    rating: float = field(metadata=parameter("N", "positive"))
+    kind: str = "roller"
+    count: int = 1
+    static_rating: float | None = field(default=None, metadata=parameter("N", "positive"))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.kind not in EXPONENTS:
+            raise PinpressError(f"RollingBearing: kind is {shown(self.kind)}: give 'ball' or 'roller'")
+        whole_number("RollingBearing: count", self.count, 1, 100)
+
+
+UNITS = {"largest_force": "N", "at": "rad", "way": "rad", "swing": "rad", "rubbing_way": "m", "largest_pressure": "Pa", "pressure": "Pa"}
+UNITS |= {"pressure_over_way": "Pa", "pv": "W/m2", "largest_pv": "W/m2", "wear": "m", "equivalent_load": "N", "hours": "h"}
+
+
+@dataclass(frozen=True, repr=False)
+class PinUse(Record, units=UNITS):
+    """How a motion uses a bearing. A stroke is that of the slide; without a slide, and of motions that are no period, it is the motion.
+
+    Attributes:
+        bearing: its name.
+        largest_force: largest force across the pin's axis [N].
+        at: angle or position of the first driver there [rad or m].
+        way: angle by which its links turn against each other in a stroke, to and fro added up [rad].
+        swing: from one end of the swing to the other [rad]; None if it turns through.
+        rubbing_way: way x half the diameter [m]; None, as the next ones, of a rolling bearing.
+        largest_pressure: largest force / (diameter x width) [Pa].
+        pressure: mean over time [Pa].
+        pressure_over_way: mean over the way [Pa].
+        pv: mean over time of pressure x rubbing speed [W/m2]; 1e6 W/m2 are 1 MPa m/s.
+        largest_pv: largest pressure x rubbing speed [W/m2].
+        wear: mean depth worn off the projected surface in a stroke [m]; None without a wear rate.
+        equivalent_load: P of one bearing, the mean of its force over the way with the exponent of life [N]; None, as the next ones, of a
+            plain bearing.
+        strokes: L10, strokes that 90 % of such bearings survive [-]; infinite without force or way.
+        hours: the same in hours of this motion [h].
+        static_safety: C0 / largest force on one bearing [-]; None without a static rating.
+    """
+
+    bearing: str
+    largest_force: float
+    at: float
+    way: float
+    swing: float | None = None
+    rubbing_way: float | None = None
+    largest_pressure: float | None = None
+    pressure: float | None = None
+    pressure_over_way: float | None = None
+    pv: float | None = None
+    largest_pv: float | None = None
+    wear: float | None = None
+    equivalent_load: float | None = None
+    strokes: float | None = None
+    hours: float | None = None
+    static_safety: float | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PinRatings(OfPress, Tabular):
+    """How a motion uses pins and rolling bearings.
+
+    Attributes:
+        press_name: name of the press.
+        bearings: name -> the bearing, as given.
+        uses: name -> how it is used.
+        stroke_time: mean time of a stroke, see `PinUse` [s].
+    """
+
+    _press: Linkage
+    bearings: Mapping[str, PlainBearing | RollingBearing]
+    uses: Mapping[str, PinUse]
+    stroke_time: float
+
+    def __getitem__(self, name: str) -> PinUse:
+        if name not in self.uses:
+            raise UnknownNameError("rated bearing", name, self.uses)
+        return self.uses[name]
+
+    @property
+    def title(self) -> str:
+        return f"PinRatings of {self.press_name}: {', '.join(f'{use.bearing} {use.largest_force:.6g} N' for use in self.uses.values())}"
+
+    def columns(self) -> Columns:
+        """A row for each bearing; columns that no bearing has are left out."""
+        return Records(PinUse, self.uses.values()).columns()
+
+
+@typed
+def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBearing]) -> PinRatings:
+    """Rate pins and rolling bearings: pressure, p v, rubbing way, wear, equivalent load, life and static safety.
+
+    The life is that of ISO 281 without factors for lubricant and reliability, by Palmgren and Miner over the true turn between the two
+    links of each bearing, so that turning and swinging bearings have one formula. It is not valid for swings in which no rolling element
+    reaches the place of its neighbour, about 720 deg / number of elements.
+
+    Args:
+        reactions: reactions of all bearings to a motion with times.
+        bearings: name of a bearing -> `PlainBearing` or `RollingBearing`.
+
+    Raises:
+        UnknownNameError: the press has no such bearing.
+        PinpressError: a bearing is a guide, a fixed loop, a loop in space without one axis, or neither `PlainBearing` nor
+            `RollingBearing`, the reactions leave out a bearing, or the motion has no times.
+
+    Warns:
+        PinpressWarning: a load rating is below the largest force, or a rolling bearing swings by less than 5 deg.
+    """
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    press, motion = reactions._press, reactions.motion
+    turns = {name: _turn(press, name, given) for name, given in bearings.items()}
+    states, weight = integration_states(reactions, lambda motion: [(turn.angle(motion.v), turn.angle(motion.a)) for turn in turns.values()])
+    peaks = at_peaks(reactions).reactions
+    time, strokes = float(weight.sum()), _strokes(press, motion)
+
+    uses = {}
+    for name, turn in turns.items():
+        given, force, rate = bearings[name], _across(states, name, turn), np.abs(turn.angle(states.motion.v))
+        at_peak = _across(peaks, name, turn)
+        worst = int(at_peak.argmax())
+        largest, angle = float(at_peak[worst]), turn.angle(states.motion.joint_position)
+        way = float(weight @ rate)
+        through = is_cycle(motion) and abs(float(weight @ turn.angle(states.motion.v))) > 1e-9 * way
+        place = float(np.ravel(peaks.motion.crank_angle[worst])[0])
+        use = PinUse(name, largest, place, way / strokes, None if through else float(np.ptp(angle)))
+        if isinstance(given, PlainBearing):
+            rubbing = 0.5 * given.diameter * np.abs(turn.angle(peaks.motion.v)) * at_peak
+            uses[name] = _of_pin(use, given, force, 0.5 * given.diameter * rate, weight, strokes, float(rubbing.max()))
+        else:
+            uses[name] = _of_rolling(use, given, force / given.count, rate, weight, strokes)
+    return PinRatings(press, FrozenMapping(bearings), FrozenMapping(uses), time / strokes)
+
+
+def _of_pin(use: PinUse, pin: PlainBearing, force: Array, speed: Array, weight: Array, strokes: float, largest: float) -> PinUse:
+    """The use of a plain bearing under forces (n,) at rubbing speeds (n,) with weights in time (n,) [s]; ``largest`` product [W]."""
+    area, time = pin.diameter * pin.width, float(weight.sum())
+    rubbed = float(weight @ (force * speed))  # N m
+    way = float(weight @ speed)
+    more = {
+        "rubbing_way": way / strokes,
+        "largest_pressure": use.largest_force / area,
+        "pressure": float(weight @ force) / time / area,
+        "pressure_over_way": rubbed / way / area if way else None,
+        "pv": rubbed / time / area,
+        "largest_pv": largest / area,
+        "wear": None if pin.wear_rate is None else pin.wear_rate * rubbed / strokes / area,
+    }
+    return PinUse(**{each.name: getattr(use, each.name) for each in fields(PinUse)} | more)
+
+
+def _of_rolling(use: PinUse, bearing: RollingBearing, force: Array, rate: Array, weight: Array, strokes: float) -> PinUse:
+    """The use of a rolling bearing under forces (n,) on each of its bearings, that turns at rates (n,), with weights in time (n,) [s]."""
+    exponent, peak = EXPONENTS[bearing.kind], use.largest_force / bearing.count
+    if bearing.rating < peak:
+        caution(f"{use.bearing}: its load rating C is {bearing.rating:g} N, below its largest force of {peak:.4g} N: give C in N")
+    if use.swing is not None and use.swing < FRETTING:
+        swing = math.degrees(use.swing)
+        caution(f"{use.bearing} swings by {swing:.3g} deg: below about 5 deg a rolling bearing frets, and its life by ISO 281 is not valid")
+    turned = float(weight @ rate)
+    # relative to the rating, so that no power overflows
+    damage = float(weight @ ((force / bearing.rating) ** exponent * rate))
+    life = 1e6 * 2 * np.pi * strokes / damage if damage else math.inf
+    more = {
+        "equivalent_load": bearing.rating * (damage / turned) ** (1 / exponent) if turned else None,
+        "strokes": life,
+        "hours": life * float(weight.sum()) / strokes / 3600,
+        "static_safety": None if bearing.static_rating is None or not peak else bearing.static_rating / peak,
+    }
+    return PinUse(**{each.name: getattr(use, each.name) for each in fields(PinUse)} | more)
+
+
+def _turn(press: Linkage, name: str, given: object) -> RelativeTurn:
+    """How the two links of a bearing turn against each other."""
+    if name not in press.bearings:
+        raise UnknownNameError("bearing", name, press.bearings)
+    if not isinstance(given, PlainBearing | RollingBearing):
+        raise PinpressError(f"bearings of {shown(name)} is {shown(given)}: give a PlainBearing or a RollingBearing")
+    if name in press.joints:
+        joint = press.joints.index(name)
+        bodies = press.model.parents[joint + 1], joint + 1
+    else:
+        loop = next(loop for loop in press.loops if loop.name == name)
+        bodies = loop.joint1, loop.joint2
+    turn = turn_between(press, bodies, f"bearing {name}: between its links", "leave it out")
+    if turn is None:
+        raise PinpressError(f"{name} does not turn: rate a guide with eccentric_load(press, motion, ..., gibs=Gibs(length, width))")
+    return turn
+
+
+def _across(reactions: Reactions, name: str, turn: RelativeTurn) -> Array:
+    """Forces (n,) across the axis of a pin [N]."""
+    force = reactions.bearing_force[name]
+    axis = rotation_of(reactions._press, reactions.motion.joint_position, turn.bodies[1]) @ turn.axis
+    return np.asarray(np.linalg.norm(np.cross(force, axis), axis=1))
+
+
+def _strokes(press: Linkage, motion: Motion) -> float:
+    """Strokes of a motion; 1 of a motion that is no period."""
+    if not is_cycle(motion) or len(motion.drivers) > 1 or not motion.driver_coordinates[0].turns:
+        return 1.0
+    return float((motion.period_turns or 1) / (stroke_turns(press) or 1))
