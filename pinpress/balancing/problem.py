@@ -269,6 +269,8 @@ def build_problem(
     for number, (other, condition) in enumerate(zip(presses, conditions, strict=True)):
         _refuse_other_press(press, other, condition.name or f"number {number}")
     bearings = tuple(dict.fromkeys(criterion.bearing for criterion in criteria if criterion.bearing is not None))
+    if (press.uneven and bearings) or (press.loses_power and any(criterion.quantity in DRIVING for criterion in criteria)):
+        press.refuse_contacts("bearing forces, and torques with losses, are not linear in masses then; balance shaking force and moment")
     reactions = tuple(
         inverse_dynamics(other, condition.motion, condition.loads, bearings=bearings)
         for other, condition in zip(presses, conditions, strict=True)

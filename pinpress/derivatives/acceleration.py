@@ -119,6 +119,8 @@ def acceleration_derivatives(
     press.refuse_joint_springs(
         "derivatives of accelerations leave them out; take them out, and add their slopes to by_position and by_rate"
     )
+    if press.loses_power or press.structure.curves:
+        press.refuse_contacts("derivatives of accelerations have neither losses nor cams; leave them out")
     rows = press.structure.relation_coefficients[: len(press.relations)]
     with np.errstate(all="ignore"):  # what is not finite is refused
         derivatives = ForwardDerivatives(press.forward_dynamics(added_inertia), rows)

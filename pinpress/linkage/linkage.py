@@ -507,6 +507,23 @@ class Linkage(Frozen):
             raise PinpressError(f"{self.name} has springs in joints {names}: {refusal}")
 
     @property
+    def loses_power(self) -> bool:
+        """Whether teeth or threads rub, also without friction in bearings."""
+        return any(contact.rubbing for contact in self.contacts)
+
+    @property
+    def uneven(self) -> bool:
+        """Whether forces in bearings are not in proportion to loads: teeth push gears apart whichever way they turn, or rub."""
+        return any(contact.rubbing or contact.unit.push.any() for contact in self.contacts)
+
+    def refuse_contacts(self, refusal: str) -> None:
+        """Raise PinpressError if bodies push on each other by teeth, threads or rollers; ``refusal``: what does not take them, and what
+        does."""
+        if contacts := self.structure.contacts:
+            names = ", ".join(repr(contact.name or self.relations[contact.relation].name) for contact in contacts)
+            raise PinpressError(f"{self.name} has teeth, threads or rollers in {names}: {refusal}")
+
+    @property
     @per_linkage
     def turns_until_back(self) -> int | None:
         """Turns of the driver in one period, None if the linkage is not back after many turns, or has several drivers."""

@@ -146,7 +146,7 @@ def rate_motion(
                 f"{limit.what} is {size[worst]:.6g} {limit.unit} at {motion.place(worst)} without a process, but the capacity is"
                 f" {limit.capacity:.6g} {limit.unit}: move more slowly, or raise the capacity"
             )
-    if friction:
+    if friction or press.uneven:
 
         def sizes(force: Array) -> Array:
             reactions = [under(each) for each in force]

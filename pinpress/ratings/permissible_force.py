@@ -19,7 +19,7 @@ from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.applied_loads import force_on_slide
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..dynamics.reactions import Reactions
+from ..dynamics.reactions import Reactions, carrying
 from ..kinematics.cycle import motion_through_change_points, moved
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, dead_centres
@@ -173,9 +173,9 @@ def known_bearings(capacities: Capacities, press: Linkage) -> tuple[str, ...]:
     if not isinstance(capacities, Capacities):
         raise PinpressError(f"capacities is a {type(capacities).__name__}: give Capacities(nominal_force=...)")
     for name in capacities.bearings:
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-    return tuple(name for name in press.bearings if name in capacities.bearings)
+        if name not in carrying(press):
+            raise UnknownNameError("bearing", name, carrying(press))
+    return tuple(name for name in carrying(press) if name in capacities.bearings)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -245,7 +245,7 @@ class RatedStroke:
             return motion
         middle, half = 0.5 * (self.top + self.bottom), 0.5 * abs(self.bottom - self.top)
         beside = motion.crank_angle - middle
-        slowest = 1e-12 if self.friction else 0.0  # at rest friction would have no direction
+        slowest = 1e-12 if self.friction or self.press.loses_power else 0.0  # at rest friction would have no direction
         speed = self.speed * np.sqrt(np.maximum(1.0 - (beside / half) ** 2, slowest))
         acceleration = -((self.speed / half) ** 2) * beside
         return moved(self.press, self.press.branch, motion.crank_angle, speed, acceleration, None, self.engine)
@@ -416,7 +416,8 @@ def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True, wa
         others = _in_one_stroke(rated, rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke), wanted)
         forces = {name: np.minimum(force, others[name]) for name, force in forces.items()}
     if energy:
-        work = rated.work_by_force(motion.crank_angle) if rated.friction and rated.energies else rated.height(motion)
+        rubs = bool(rated.friction) or rated.press.loses_power
+        work = rated.work_by_force(motion.crank_angle) if rubs and rated.energies else rated.height(motion)
         with np.errstate(divide="ignore", over="ignore"):  # at height zero an energy permits any force
             forces |= {name: usable / work for name, usable in rated.energies.items()}
     return forces
@@ -502,7 +503,7 @@ def _in_one_stroke(rated: RatedStroke, motion: Motion, wanted: Collection[str] |
     """The forces that torque, bearings and the nominal force permit in one stroke; see `permitted_forces`."""
     nominal = np.full(len(motion.crank_angle), rated.capacities.nominal_force)
     forces = {NOMINAL: nominal}
-    if rated.at_speed and rated.friction:
+    if rated.at_speed and (rated.friction or rated.press.uneven):
         limits = [limit for limit in rated.limits if wanted is None or limit.name in wanted]
 
         @functools.cache

@@ -305,7 +305,8 @@ def _ratings(
 
 def _speed_limit(rated: RatedStroke) -> PermissibleSpeed | None:
     """The speed at which the idle press reaches a capacity; None if forces are not affine in the square of the speed."""
-    if not rated.coordinate.turns or rated.friction or any(isinstance(load, Spring) and load.damping for load in rated.loads):
+    damped = any(isinstance(load, Spring) and load.damping for load in rated.loads)
+    if not rated.coordinate.turns or rated.friction or rated.press.uneven or damped:
         return None
     way = math.copysign(1.0, rated.speed)
     return limiting_speed(rated.press, rated.capacities, rated.torque, way, rated.loads, rated.engine)

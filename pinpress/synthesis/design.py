@@ -284,6 +284,7 @@ class Design:
 
     @cached_property
     def _wrenches(self) -> Wrenches:
+        self.start.press.refuse_contacts("a synthesis knows no forces with them; give functions of the motion alone")
         conditions = AppliedConditions(apply(wrap_laws(self.start.loads), self.press, self.motion), None, None)
         states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.basis)
         return inverse_dynamics(self._statics, states, conditions, bearings=True)

@@ -17,7 +17,7 @@ displaced rod would jam. A slide on springs takes the mean, weighted by the stif
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -77,10 +77,12 @@ def unit_forces(
     Raises:
         PinpressError: as `inverse_dynamics`, or the press has no slide.
     """
+    if press.loses_power:  # losses, which do no virtual work, need speeds
+        motion, reactions = replace(motion, crank_speed=0.0 * motion.crank_speed, v=0.0 * motion.v), None
     if reactions is None:
         reactions = inverse_dynamics(press, motion, stiffness=stiffness)
-    # A force of the size of the others is not lost in rounding error.
-    size = max(1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values()))
+    # A force of the size of the others is not lost in rounding error; a small one leaves teeth on the flanks on which they are.
+    size = max(1.0, *(float(np.abs(force).max()) for force in reactions.bearing_force.values())) * (1e-5 if press.uneven else 1.0)
     loaded = inverse_dynamics(press, motion, [*reactions.loads, force_on_slide(press, size)], stiffness=stiffness)
     force = {name: in_plane(press, (loaded.bearing_force[name] - before) / size) for name, before in reactions.bearing_force.items()}
     moment = {name: (loaded.bearing_moment[name] - before) / size for name, before in reactions.bearing_moment.items()}

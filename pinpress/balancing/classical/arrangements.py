@@ -277,7 +277,7 @@ def plan_of(press: Linkage) -> PressPlan:
     """
     refusal = f"{press.name} is not planar with one driver, or has gear pairs: give a planar press of pins and guides"
     plane = press.plane_or_refuse(refusal)
-    if press.couplings:
+    if press.relations:
         raise PinpressError(refusal)
     model, drawn_poses = press.model, poses(press, press.closed[None])
     links = {joint: press.link_of(joint) for joint in range(model.njoints)}

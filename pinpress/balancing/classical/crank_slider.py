@@ -343,8 +343,8 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
 def _bodies(press: Linkage) -> tuple[int, int, int]:
     """The Pinocchio joints that carry crank, rod and slide."""
     parents, turns = press.model.parents, [axis.turns for axis in press.axes]
-    if len(press.joints) != 3 or len(press.loops) != 1 or press.couplings:
-        counts = f"{len(press.joints)} moving links, {len(press.loops)} loops and {len(press.couplings)} gear pairs"
+    if len(press.joints) != 3 or len(press.loops) != 1 or press.relations:
+        counts = f"{len(press.joints)} moving links, {len(press.loops)} loops and {len(press.relations)} gear pairs"
         raise _refusal(press, f"it has {counts}, not 3, 1 and 0")
     crank = press.driver_indices[0] + 1
     guided = [j for j in range(1, 4) if parents[j] == 0 and not turns[j - 1]]

@@ -58,6 +58,7 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     press.refuse_several_drivers("elastic motion is that of a press with one; see slide_deflection of their motion")
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
     press.refuse_joint_springs("elastic motion has SpringDamper loads and preloaded joints instead")
+    press.refuse_contacts("elastic motion does not let them push on yielding bearings; give their ratios alone, gears or <relation>")
     _ = press.slide_guide
     build = press_in_plane if "plane" in press.engines else press_in_space
     sprung = build(press, elastic, reference_motion(press))
@@ -129,16 +130,16 @@ def _conditions(geometry: PlaneGeometry) -> tuple[Array, Array]:
     press, plane, size, crown, rotor = geometry.press, geometry.plane, geometry.rigid_size, geometry.crown, geometry.rotor
     count = press.model.nv
     turns = [axis.turns for axis in press.axes]
-    if not all(turns[c.follower] and turns[c.leader] for c in press.couplings):
+    if not all(turns[joint] for relation in press.relations for joint in relation.joints):
         raise PinpressError(f"a gear pair of {press.name} slides: elastic motion takes gears that turn")
     rows, constants, by_angle, eliminated = [], [], [], []
     if rotor is None:
         rows, constants, by_angle, eliminated = [_angle_row(plane, plane.driver, size)], [0.0], [1.0], [3 * plane.driver + 2]
-    for coupling in press.couplings:
-        rows.append(_angle_row(plane, coupling.follower, size) - coupling.multiplier * _angle_row(plane, coupling.leader, size))
-        constants.append(coupling.offset)
+    for relation in press.relations:
+        rows.append(sum(by * _angle_row(plane, joint, size) for joint, by in relation.coefficients.items()))
+        constants.append(relation.offset)
         by_angle.append(0.0)
-        eliminated.append(3 * coupling.follower + 2)
+        eliminated.append(3 * relation.joint + 2)
     free = [i for i in range(3 * count) if i not in eliminated]
     carry, rest = np.zeros((size, len(free) + (crown is not None) + 1)), np.zeros(size)
     carry[free, np.arange(len(free))] = 1.0
@@ -313,7 +314,7 @@ def pins_of(drawn: DrawnBodies, link: str) -> tuple[int, dict[str, complex]]:
     """
     press, plane = drawn.press, drawn.plane
     body = link_joint(press, link) - 1
-    geared = {joint for coupling in press.couplings for end in (coupling.leader, coupling.follower) for joint in (end, plane.parents[end])}
+    geared = {joint for relation in press.relations for end in relation.joints for joint in (end, plane.parents[end])}
     for why, is_so in (
         ("it is the crank, which its drive holds", body == plane.driver),
         ("it carries the crank", body == plane.parents[plane.driver]),

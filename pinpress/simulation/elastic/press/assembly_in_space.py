@@ -72,9 +72,9 @@ def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
     for name, (is_given, instead) in unsuitable.items():
         if is_given:
             raise PinpressError(f"{press.name} moves in space, and elastic motion in space knows no {name}: {instead}")
-    if press.couplings:
+    if press.relations:
         raise PinpressError(
-            f"{press.name} moves in space and has the gear pair {shown(press.couplings[0].name)}, which elastic motion has in a plane alone"
+            f"{press.name} moves in space and has the gear pair {shown(press.relations[0].name)}, which elastic motion has in a plane alone"
         )
     if press.model.parents[press.driver_indices[0] + 1]:
         raise PinpressError(

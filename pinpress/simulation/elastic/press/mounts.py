@@ -65,9 +65,7 @@ def _carried(sprung: SprungPress, place: int) -> Array:
     Angles on which conditions lie count from the frame: where all links and the frame turn together, so do they.
     """
     press, plane, free = sprung.press, sprung.geometry.plane, sprung.free
-    tied = {3 * coupling.follower + 2 for coupling in press.couplings} | (
-        {3 * plane.driver + 2} if sprung.geometry.rotor is None else set()
-    )
+    tied = {3 * relation.joint + 2 for relation in press.relations} | ({3 * plane.driver + 2} if sprung.geometry.rotor is None else set())
     untied = [row for row in range(3 * press.model.nv) if row not in tied]
     turning = [column for column, row in enumerate(untied) if row % 3 == 2]
     carry = np.zeros((len(sprung.drawn) + 3, free + 3))
