@@ -18,16 +18,19 @@ def turning(link, pin, mass, inertia):
 
 @cache
 def geared(efficiency=1.0):
-    """A crank-slider whose crank is a helical wheel that a pinion on the frame drives."""
-    return pp.build(
-        units="mm",
-        frame="O Q",
-        pins={**PINS, "Q": [-600, 0]},
-        links={**turning("pinion", "Q", 30.0, 0.15), **CRANK},
-        meshes={"teeth": {"gears": "pinion crank", "teeth": "20 100", "helix": "15 right", "efficiency": efficiency}},
-        drive="Q",
-        press="geared",
-    )
+    """A crank-slider whose crank is a wheel that a pinion on the frame drives."""
+    return _geared(meshes={"teeth": {"gears": "pinion crank", "teeth": "20 100", "efficiency": efficiency}})
+
+
+@cache
+def of_ratio():
+    """The same with the ratio alone, whose forces are none of teeth."""
+    return _geared(gears={"O": "-0.2 * Q"})
+
+
+def _geared(**coupled):
+    pins, links = {**PINS, "Q": [-600, 0]}, {**turning("pinion", "Q", 30.0, 0.15), **CRANK}
+    return pp.build(units="mm", frame="O Q", pins=pins, links=links, **coupled, drive="Q", press="geared")
 
 
 @cache
