@@ -69,7 +69,7 @@ def of_run(scene: Scene) -> Verdict:
 
 def _of_run(scene: Scene, tolerance: float) -> tuple[str, str]:
     methods = {"auto": {}, "implicit": {"tolerance": tolerance}, "constraint": {"tolerance": tolerance}}
-    if "friction" in scene.given:
+    if "friction" in scene.given or scene.press.loses_power:
         del methods["constraint"]  # which knows no friction
     runs, refusals, doubted = {}, {}, False
     for method, options in methods.items():
@@ -126,7 +126,7 @@ def missing_torque(scene: Scene, run: Any) -> float:
     if {"clutch", "brake"} & scene.given.keys() or any(isinstance(load, pp.loads.ElasticDie) for load in scene.given.get("loads", ())):
         return 0.0  # what they transmit is no column
     acting, rubbing = scene.given.get("loads", ()), scene.given.get("friction", {})
-    needed = pp.inverse_dynamics(scene.press, run, acting, rubbing, **({} if rubbing else {"bearings": ()})).driving_torque
+    needed = pp.inverse_dynamics(scene.press, run, acting, rubbing, bearings=()).driving_torque
     turned = sum(part.inertia for part in (drive, wheel) if part is not None) * run.crank_acceleration
     weights = 1e-3 * pin.computeTotalMass(scene.press.model) * 9.81 * scene.press.size
     size = weights + max(np.abs(torque).max() for torque in (needed, turned, run.drive_torque))

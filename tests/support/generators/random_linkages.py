@@ -56,10 +56,10 @@ class Drawing:
             ends.append((link, rotation.T @ (self.space(at, height) - origin)))
         self.loops.append((name, ends))
 
-    def relation(self, name, **coefficients):
-        """Let the sum of coefficient x coordinate be zero over joints; the first is the one that it determines."""
-        joints = "".join(f'<joint name="{joint}" coefficient="{by!r}"/>' for joint, by in coefficients.items())
-        self.elements.append(f'  <relation name="{name}">{joints}</relation>')
+    def element(self, tag, **attributes):
+        """A machine element, such as "gear_mesh"."""
+        given = " ".join(f'{name}="{value}"' for name, value in attributes.items())
+        self.elements.append(f"  <{tag} {given}/>")
 
     def body(self, link, mass, centre, height=0.0, tensor=None):
         """Give a link its inertia; ``tensor`` (3, 3), by default a ball of radius of gyration 0.1."""

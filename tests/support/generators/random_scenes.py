@@ -3,7 +3,7 @@
 Sizes follow the press: torques are shares of what its weights ask of the crank, speeds those at which it turns under them.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -149,6 +149,31 @@ def screw_or_rack(random: Random) -> tuple[str, Any]:
     )
 
 
+def lossy(random: Random) -> float:
+    """Efficiency of teeth, often 1."""
+    return float(random.choice([1.0, 1.0, random.uniform(0.85, 1.0)]))
+
+
+def threaded(random: Random) -> tuple[str, Any]:
+    """A screw or rack with its forces and losses. Some screws lock themselves."""
+    made: dict[str, Any]
+    if random.random() < 0.5:
+        radius, side = random.uniform(10, 80), int(random.choice([-1, 1]))
+        pins: dict[str, Any] = {"O": [0, 0], "Q": [side * radius, 0]}
+        made = {"racks": {"rack": {"pinion": "wheel", "rack": "slide", "radius": radius, "efficiency": lossy(random)}}}
+        wheel = {"pins": "O", "mass": 2.0, "disc": f"{2 * radius} x 40"}
+    else:
+        pins = {"O": {"x": 0, "y": 0, "z": 0, "axis": "z"}, "Q": {"x": 0, "y": 0, "z": -200, "axis": "z"}}
+        wheel = {"pins": "O", "mass": 300.0, "com": "O", "inertia": [15, 15, random.uniform(1, 30)]}
+        diameter = random.uniform(30, 300)
+        thread = {"screw": "wheel", "nut": "slide", "lead": diameter * log_uniform(random, 0.05, 1.0), "diameter": diameter}
+        rubs = {"friction": random.uniform(0.02, 0.15), "collar_friction": 0.1, "collar_diameter": random.uniform(0.2, 1) * diameter}
+        hand = str(random.choice(["left", "right"]))
+        made = {"screws": {"thread": thread | {"hand": hand} | (rubs if random.random() < 0.6 else {})}}
+    links = {"wheel": wheel, "slide": {"pins": "Q", "guide": "up", "mass": random.uniform(5, 500)}}
+    return "threaded", pp.build(units="mm", frame="O", pins=pins, links=links, **made, drive="O")
+
+
 def planetary(random: Random) -> tuple[str, Any]:
     """A slide whose rod hangs on the carrier or on the planet of a planetary stage, which its sun or its carrier drives."""
     sun, planet = ((20, 20), (40, 20), (20, 40), (20, 30), (30, 15))[int(random.integers(5))]
@@ -164,8 +189,10 @@ def planetary(random: Random) -> tuple[str, Any]:
     drawing.joint("B", "planet" if on_planet else "carrier", "rod", pin)
     drawing.joint("G", "frame", "slide", wrist, along=1j)
     drawing.loop("W", "rod", "slide", wrist)
-    drawing.relation("outer", C=sun + 2.0 * planet, P=float(planet))
-    drawing.relation("inner", P=float(planet), S=float(sun), C=-float(sun))
+    count, losses = int(random.choice([1, 2])), lossy(random)
+    for name, links, teeth in (("inner", ("sun", "planet"), (sun, planet)), ("outer", ("planet", "frame"), (planet, -sun - 2 * planet))):
+        ends = {"gear1": links[0], "gear2": links[1], "teeth1": teeth[0], "teeth2": teeth[1], "carrier": "carrier"}
+        drawing.element("gear_mesh", name=name, **ends, planets=count, efficiency=losses)
     for link, at in (("sun", 0j), ("carrier", 0.4 * centre), ("planet", centre), ("rod", 0.5 * (pin + wrist)), ("slide", wrist)):
         drawing.body(link, 10 ** random.uniform(0.5, 2), at + 0.1 * radius * complex(*random.normal(size=2)))
     return "planetary", texts.load(drawing.urdf(str(random.choice(["S", "C"]))), slide="slide")
@@ -182,13 +209,14 @@ def lever_gear(random: Random) -> tuple[str, Any]:
     drawing.joint("B", "crank", "rod", crank)
     drawing.joint("G", "frame", "slide", wrist, along=1.0 + 0j)
     drawing.loop("W", "rod", "slide", wrist)
-    drawing.relation("teeth", B=float(geared), A1=float(teeth), A=-float(teeth))
+    ends = {"gear1": "wheel", "gear2": "rod", "teeth1": teeth, "teeth2": geared, "carrier": "crank"}
+    drawing.element("gear_mesh", name="teeth", **ends, pressure_angle=random.uniform(14, 28), efficiency=lossy(random))
     for link, at in (("crank", 0.5 * crank), ("wheel", 0j), ("rod", 0.5 * (crank + wrist)), ("slide", wrist)):
         drawing.body(link, 10 ** random.uniform(0.5, 2), at + 0.1 * abs(crank) * complex(*random.normal(size=2)))
     return "lever_gear", texts.load(drawing.urdf("A1"), slide="slide")
 
 
-MACHINES = (screw_or_rack, planetary, lever_gear)
+MACHINES = (threaded, planetary, lever_gear)
 """Presses with machine elements."""
 PRESSES = {shipped: 6, of_template: 4, crank_slide: 5, four_bar: 3, random_linkage: 2, in_space: 1, sliding_driver: 1, screw_or_rack: 1}
 """How often each is drawn."""
@@ -460,6 +488,9 @@ def _played(random: Random, press: Any, heaviest: float = 10.0) -> tuple[float, 
     if size.stroke > 1e-3 * press.size and random.random() < 0.6:
         force = energy / size.stroke * log_uniform(random, 0.01 * heaviest, heaviest)
         acting += [process_load(random, size.stroke, force) for _ in range(random.choice([1, 1, 1, 2]))]
+        if press.branch.period and press.advancing.any():  # without a bottom dead centre
+            place = pp.servo_cycle(press, [angle], speed=1.0, acceleration=0.0).slide_position[0]
+            acting = [replace(load, datum=float(place) - 0.5 * size.stroke * random.random()) for load in acting]
     if random.random() < 0.2:
         acting.append(link_load(random, press, energy / press.size * log_uniform(random, 0.05, 1)))
     if acting:
