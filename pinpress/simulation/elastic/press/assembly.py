@@ -136,7 +136,7 @@ def _conditions(geometry: PlaneGeometry) -> tuple[Array, Array]:
     if rotor is None:
         rows, constants, by_angle, eliminated = [_angle_row(plane, plane.driver, size)], [0.0], [1.0], [3 * plane.driver + 2]
     for relation in press.relations:
-        rows.append(sum(by * _angle_row(plane, joint, size) for joint, by in relation.coefficients.items()))
+        rows.append(np.sum([by * _angle_row(plane, joint, size) for joint, by in relation.coefficients.items()], axis=0))
         constants.append(relation.offset)
         by_angle.append(0.0)
         eliminated.append(3 * relation.joint + 2)
