@@ -281,7 +281,7 @@ class _Placed:
     @cached_property
     def ways(self) -> Idle:
         """The idle forces, and how the bearings and the efforts in joints balance an effort of every contact, one of `singles`."""
-        idle, nothing = self.engine.idle(self.states), AppliedConditions([], None, self.compliance)
+        idle, nothing = self.idle or self.engine.idle(self.states), AppliedConditions([], None, self.compliance)
         start = self.engine.inverse_dynamics(self.states, nothing, bearings=True)
         found = [self.engine.inverse_dynamics(self.states, nothing.under(self.loads(k, 0.0 * k), None), True) for k in self.singles()]
         units = self.structure.relation_units[:, None]
