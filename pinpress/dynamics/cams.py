@@ -51,7 +51,7 @@ class CamReactions(Tabular, OfPress):
         largest_pressure_angle: largest size of the pressure angle over a turn of the cam [rad], and where; without a groove that of the
             rises, on which the cam drives its follower.
         least_radius: least radius of the convex surface over a turn of the cam [m], and where.
-        largest_force: [N], and where.
+        largest_force: the force of the largest size, with its sign [N], and where.
         least_force: [N], and where. Below 0 the roller leaves a cam without a groove, and the forces are not those of the press.
         largest_pressure: [Pa], and where.
         lift_off_speed: speed of the driver at which the least force is 0 under the same loads [rad/s]; 0 where the roller is not pushed at
@@ -134,7 +134,7 @@ def cam(press: Linkage, reactions: Reactions, name: str) -> CamReactions:
         pressure=states.pressure,
         largest_pressure_angle=contact.largest_pressure_angle(_way(reactions.motion.v[:, contact.curve.joint])),
         least_radius=(1.0 / curvature - contact.roller_radius if curvature > 0.0 else math.inf, sharpest),
-        largest_force=_extreme(peaks, peaks.force, np.argmax),
+        largest_force=_extreme(peaks, peaks.force, lambda force: np.abs(force).argmax()),
         least_force=_extreme(peaks, peaks.force, np.argmin),
         largest_pressure=_extreme(peaks, peaks.pressure, np.argmax),
         lift_off_speed=None if contact.grooved else _lift_off_speed(contact, reactions),

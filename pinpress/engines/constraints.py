@@ -121,6 +121,11 @@ class Relation:
         curve = None if self.curve is None else self.curve._replace(start=self.curve.start + float(pose[self.curve.joint]))
         return replace(self, curve=curve).through(np.zeros_like(pose))
 
+    def between(self, index: Mapping[int, int]) -> Relation:
+        """The relation where its joints have other indices."""
+        curve = None if self.curve is None else self.curve._replace(joint=index[self.curve.joint])
+        return replace(self, coefficients={index[joint]: by for joint, by in self.coefficients.items()}, curve=curve)
+
     @property
     def is_pair(self) -> bool:
         """Whether it keeps a ratio between two joints."""

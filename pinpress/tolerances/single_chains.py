@@ -87,10 +87,10 @@ class Chain(NamedTuple):
 
 
 def _kept_joints(press: Linkage, loops: list[int]) -> list[int]:
-    """Rising indices in v of the drivers, the slide's guide, the joints on these loops, and those that gears couple to them."""
+    """Rising indices in v of the drivers, the slide's guide, the joints on these loops, and those that gears and cams couple to them."""
     indices = {*press.driver_indices, press.slide_guide.joint}
     indices.update(joint for k in loops for joint in press.structure.joints_of_loop[k])
-    while more := {joint for relation in press.relations for joint in relation.coefficients if relation.joint in indices} - indices:
+    while more := {joint for relation in press.relations for joint in relation.joints if relation.joint in indices} - indices:
         indices |= more
     return sorted(indices)
 
@@ -109,11 +109,7 @@ def _reduced(press: Linkage, joints: list[int], loops: list[int]) -> Linkage | N
         press,
         model=pin.buildReducedModel(press.model, locked, configuration(press.slots, press.closed)),
         loops=tuple(replace(loop, joint1=new[loop.joint1], joint2=new[loop.joint2]) for loop in kept),
-        relations=tuple(
-            replace(relation, coefficients={index[joint]: by for joint, by in relation.coefficients.items()})
-            for relation in press.relations
-            if relation.coefficients.keys() <= index.keys()
-        ),
+        relations=tuple(relation.between(index) for relation in press.relations if index.keys() >= {*relation.joints}),
         contacts=(),  # positions alone are asked of it
         held=tuple(name for name in press.held if press.joints.index(name) in index),
         home=tuple(press.home[joint] for joint in joints) if press.home else (),
