@@ -35,9 +35,9 @@ class Cam:
     """A ``<cam>``: a cam and the follower that its roller moves, named by their links. Attributes are those of the element.
 
     One link carries the axis of the cam, and guides the follower or carries the pivot of its arm. ``radius`` is the distance of the
-    roller's centre from the axis of the cam at the lift 0 [m], ``offset`` that of the guide, positive to the right with the lift upwards and
-    positive angles of the cam counter-clockwise [m]; ``arm`` the length from the pivot to the roller's centre [m]. In place of offset or
-    arm, ``center`` may be the roller's centre in the frame of the follower's link [m]; the lift then leads away from the cam, else along
+    roller's centre from the axis of the cam at the lift 0 [m], ``offset`` that of the guide, positive to the right with the lift upwards
+    and positive angles of the cam counter-clockwise [m]; ``arm`` the length from the pivot to the roller's centre [m]. In place of offset
+    or arm, ``center`` may be the roller's centre in the frame of the follower's link [m]; the lift then leads away from the cam, else along
     the follower's coordinate. ``drawn_at`` is the angle of the law in the drawn pose [deg].
 
     ``points`` are ``<point>`` elements, the law over a turn, or ``<row>`` elements, a table of lifts: ``angle`` [deg], ``lift`` [m; of an
