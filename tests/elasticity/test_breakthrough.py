@@ -8,7 +8,6 @@ from scipy.integrate import solve_ivp
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.elasticity import breakthrough
 from pinpress.elasticity.breakthrough import Release, permissible_breakthrough, segments, snap_through
 
 F, K, M = 1.25e6, 6e8, 2600.0
@@ -159,20 +158,6 @@ def test_what_is_passed_over_of_a_slow_drop_is_above_rest(zeta, turns):
         np.testing.assert_allclose(
             (one.start + span, one.x, one.v / W), (other.start + same, other.x, other.v / W), rtol=1e-8, atol=1e-11 * F / K
         )
-
-
-@pytest.mark.filterwarnings("ignore:break_time is:pinpress.PinpressWarning")  # none is as slow
-@pytest.mark.exhaustive
-def test_a_slow_drop_is_not_followed_wave_by_wave(monkeypatch):
-    """Of 225 periods, with some 150 forces tried."""
-    looked = []
-    leaving = breakthrough._leaving
-    monkeypatch.setattr(breakthrough, "_leaving", lambda *given: looked.append(1) or leaving(*given))
-    force = permissible_breakthrough(1e4, 1e9, mass=500.0, damping_ratio=0.05, break_time=1.0, clearance=1e-4)[0]
-    assert 150 < len(looked) < 10_000
-    assert snap_through(force, 1e9, mass=500.0, damping_ratio=0.05, break_time=1.0, clearance=1e-4).reverse_force == pytest.approx(
-        1e4, rel=1e-9
-    )
 
 
 def test_what_only_rounding_could_tell():

@@ -59,29 +59,6 @@ def test_strokes_over_the_speed_are_steady_states():
     assert str(found).splitlines()[-1].split()[:2] == ["300.00", "1.6432"]  # r/min, mm
 
 
-@pytest.mark.one_in(2)
-@pytest.mark.parametrize("loads", [[], BLANKING], ids=["idle", "blanking"])
-def test_strokes_are_found_from_those_beside_them(monkeypatch, loads):
-    """Only the first stroke is found from the rigid motion; where the others are too, the numbers are the same."""
-    from pinpress.simulation.elastic import simulate_elastic
-    from pinpress.simulation.elastic.period import periodic
-
-    press, speeds, alone = shipped("jf75g_125_plain"), np.array([288.0, 300.0]) * pp.RPM, []
-
-    def counted(*arguments):
-        alone.append(arguments)
-        return periodic(*arguments)
-
-    monkeypatch.setattr(simulate_elastic, "periodic", counted)
-    found = over_speeds(press, elastic(press), speeds=speeds, loads=loads)
-    assert len(alone) == 1
-    monkeypatch.setattr(simulate_elastic, "periodic_near", lambda *_: None)
-    other = over_speeds(press, elastic(press), speeds=speeds, loads=loads)
-    assert len(alone) == 3
-    for name, values in found.columns().items():
-        np.testing.assert_allclose(values, other.columns()[name], rtol=2e-5, atol=1e-8, err_msg=name)
-
-
 def test_a_press_that_does_not_repeat_is_named_by_its_speed(monkeypatch):
     from pinpress.elasticity import speed_range
 

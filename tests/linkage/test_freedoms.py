@@ -9,7 +9,6 @@ from support import texts
 
 import pinpress as pp
 from pinpress.cli.main import main
-from pinpress.linkage.driving import drivers, freedoms
 
 CRANK, ROCKER, FRAME, OFFSET = 0.06, 0.14, 0.12, 0.2  # m: crank about z at the origin, rocker about x at (FRAME, OFFSET, 0)
 BALL_A = np.array([CRANK, 0.0, 0.0])  # as drawn
@@ -380,17 +379,6 @@ def test_a_file_that_names_no_driver_is_checked_with_those_proposed(capsys):
     assert "drivers=['turn_a', 'turn_b']" in said
     with pytest.raises(pp.UrdfError, match=r"no driver; its mobility as drawn is 2: name what drives, best drivers=\['turn_a', 'turn_b'\]"):
         pp.load(case.path)
-
-
-@pytest.mark.exhaustive
-def test_nothing_is_analysed_where_drivers_of_a_press_determine_it(monkeypatch):
-    def refuse(*_):
-        raise AssertionError
-
-    monkeypatch.setattr(drivers, "columns_at", refuse)
-    monkeypatch.setattr(freedoms, "columns_at", refuse)
-    for name in pp.presses():
-        assert pp.load(name).freedoms == ()
 
 
 def test_a_press_refuses_what_a_robot_may_leave_free():

@@ -297,6 +297,7 @@ def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: 
         make(page, tmp_path / name)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.usefixtures("running")
 @pytest.mark.parametrize(
     ("content", "says"),
@@ -316,6 +317,7 @@ def test_no_recording(content: bytes | None, says: str, tmp_path: Path) -> None:
     assert {p.name for p in tmp_path.iterdir()} <= {"out.html"}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.usefixtures("running")
 @pytest.mark.parametrize(
     ("wrong", "says"),

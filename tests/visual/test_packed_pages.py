@@ -72,6 +72,7 @@ def test_a_browser_without_webgl_is_told(recording: Path, said: Callable[..., st
     assert said(recording.read_text("utf-8"), without).startswith("This browser cannot draw the moving press: WebGL is switched off")
 
 
+@pytest.mark.exhaustive
 def test_a_page_without_scripts_says_so(recording: Path, said: Callable[..., str]) -> None:
     assert "needs JavaScript" in said(recording.read_text("utf-8"), java_script_enabled=False)
 

@@ -140,6 +140,7 @@ def test_nothing_is_sent_anywhere(page: Any) -> None:
     assert page.locator("a[href]").count() == 0
 
 
+@pytest.mark.exhaustive
 def test_zoom_takes_the_cursor_along(page: Any) -> None:
     page.evaluate("t => seek(t)", 0.3 * 60 / 70)
     page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [90, 180] })")
@@ -183,6 +184,7 @@ def test_legend_hides_a_curve(page: Any) -> None:
         assert page.evaluate("document.querySelector('.plot').data[0].visible") is visible
 
 
+@pytest.mark.exhaustive
 def test_table_of_extremes(page: Any, result: Any) -> None:
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     table = {row[0]: row[1:] for row in rows}

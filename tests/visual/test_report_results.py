@@ -306,6 +306,7 @@ TABLE: dict[str, Any] = {
 }
 
 
+@pytest.mark.exhaustive
 def test_results_of_a_press_of_the_same_name_are_refused(tmp_path: Path) -> None:
     """Lengths and masses of the press count: a longer rod, a heavier slide. A press made again of the same table is the same press."""
     press, again = pp.build(**TABLE), pp.build(**TABLE)
@@ -459,6 +460,7 @@ def indented(text: str) -> str:
     return "".join(f"  {line}\n" for line in text.splitlines())
 
 
+@pytest.mark.exhaustive
 def test_the_command_with_feet_that_lift_off(tmp_path: Path) -> None:
     """The motor aside, the flywheel's whirl and feet that lift off: numbers of the page are those of Python."""
     page, file = reported(tmp_path, LIFTING + indented(FRAME_FILE)), tmp_path / "frame.yaml"

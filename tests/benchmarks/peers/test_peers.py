@@ -3,7 +3,6 @@
 import csv
 import importlib.util
 import re
-import shutil
 import subprocess
 import sys
 from functools import cache
@@ -146,24 +145,6 @@ if compilable():
         assert max(errors(presses("zxn2_3000b"), PinocchioCpp(presses("zxn2_3000b")), 360, -SPEED)) < EXACT
         with pytest.raises(pp.SimulationError, match="does not close the loops"):
             peer.inverse_dynamics(np.array([0.0, 1.7, np.nan]), SPEED)
-
-
-def test_what_keeps_pinocchio_from_being_compiled(presses, monkeypatch, tmp_path):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(pinocchio_press, "_eigen", lambda prefix: tmp_path)
-    compiler = tmp_path / "c++"
-    compiler.write_text("#!/bin/sh\ntest $1 = --version || { echo 'loop.cpp:1: error: no such header' >&2; exit 1; }\n", encoding="utf-8")
-    compiler.chmod(0o755)
-    monkeypatch.setenv("CXX", str(compiler))
-    with pytest.raises(pp.PinpressError, match=r"fails: loop\.cpp:1: error: no such header"):
-        PinocchioCpp(presses("crank_slide"))
-    monkeypatch.setattr(shutil, "which", lambda name: None)
-    with pytest.raises(pp.PinpressError, match="no C\\+\\+ compiler is found"):
-        PinocchioCpp(presses("crank_slide"))
-    monkeypatch.undo()
-    monkeypatch.setattr(Path, "exists", lambda path: False)
-    with pytest.raises(pp.PinpressError, match=r"pip install 'pinpress\[peers\]'"):
-        pinocchio_press._eigen(tmp_path)
 
 
 def test_what_is_not_compared_in_a_loop(presses):
