@@ -414,6 +414,24 @@ def test_runs_lose_what_inverse_dynamics_says(method, bearings):
         np.testing.assert_allclose(other.bearing_force["O"], engines[0].bearing_force["O"], rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("method", ["auto", "implicit"])
+def test_a_run_of_a_screw_that_turns_back(method):
+    """A load stops the spindle and drives it back: the thread loses by its forward angle first, then by that backwards."""
+    text = screw(200, 300, 0.06, 15, 0.1).text.decode().replace(f'<mass value="{MASSLESS}"/>', '<mass value="450"/>')
+    press, loads = load(text.replace(f'="{MASSLESS}"', '="2.5"'), drivers=("spindle",)), [pp.loads.PointForce("nut", (0, 0, -2e3))]
+    run = pp.simulate(press, 0.3, speed=3.0, points=30, loads=loads, method=method)
+    assert run.crank_speed.max() > 2
+    assert run.crank_speed.min() < -2
+    found = pp.inverse_dynamics(press, run, loads)
+    assert np.abs(found.driving_torque).max() < 1e-7 * np.abs(found.mesh["thread"].axial).max() * 0.2
+    lift = 0.2 / (2 * np.pi * 0.15)
+    friction = np.arctan(0.06 / np.cos(np.arctan(np.tan(np.radians(15)) * np.cos(np.arctan(lift)))))
+    forward, backward = np.tan(np.arctan(lift) + friction) - lift, lift - np.tan(np.arctan(lift) - friction)
+    share = 0.15 * np.where(run.crank_speed > 0, forward, backward) + 0.1 * 0.04
+    lost = share * np.abs(found.mesh["thread"].axial * run.crank_speed)
+    np.testing.assert_allclose(found.friction_power["thread"], lost, rtol=1e-10)
+
+
 def test_results_name_contacts():
     press = geared_crank(30, 0.15, "O", 0.97)
     motion = pp.cycle(press, speed=10.0, points=24)
