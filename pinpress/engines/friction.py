@@ -65,11 +65,13 @@ class FrictionLaw:
         """
         steady = -self.viscous[:, None] * speeds
         ways = np.where(self.pushes[:, None], 1.0, -np.sign(speeds))
+        forward, backward = (ways * arm[:, None] for arm in (self.arm, self.backward))
+        alike = np.array_equal(self.arm, self.backward)  # mostly, and looking at signs takes time
 
         def follow(efforts: Array) -> tuple[Array, Array]:
             force = forces(efforts)
             pressing = np.maximum(np.abs(force), self.preload[:, None])
-            following = steady + ways * np.where(force * speeds < 0, self.backward[:, None], self.arm[:, None]) * pressing
+            following = steady + (forward if alike else np.where(force * speeds < 0, backward, forward)) * pressing
             # The size is also what the largest force could do, because the force of a single guide may be nothing but rounding.
             return following, np.maximum(np.abs(following).max(axis=0), self.arm.max() * pressing.max(axis=0))
 
@@ -93,10 +95,8 @@ def fixed_point(follow: Callable[[Array], tuple[Array, Array]], start: Array, se
     Returns:
         The efforts, and None; where they do not settle, the last changes (...), infinite where they are not finite.
     """
-    for share in (
-        1.0,
-        0.125,
-    ):  # where forces answer a change by more, against it, as in a thread that locks, whole steps leave the solution
+    # Where forces answer a change by more, against it, as in a thread that locks, whole steps lead away from the efforts.
+    for share in (1.0, 0.125):
         efforts, change, first = start, np.full(start.shape[1:], np.inf), np.zeros(start.shape[1:])
         for _ in range(MOST_ITERATIONS):
             following, size = follow(efforts)
