@@ -374,7 +374,7 @@ def test_mesh_that_is_a_folder_and_scale_beyond_numbers(tmp_path: Path) -> None:
 # ----------------------------------------------------------------------------------------------------------------------------- plain shapes
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(20)
 @pytest.mark.parametrize("name", pp.presses())
 def test_pins_join_links_without_visuals(name: str) -> None:
     press = bare(texts.shipped(name))
