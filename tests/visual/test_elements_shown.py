@@ -155,3 +155,10 @@ def test_pitch_circles_of_sketches():
         assert ring[2] / sun[2] == pytest.approx(4.0, abs=0.02)
         assert np.hypot(*(planet - sun)[:2]) == pytest.approx(planet[2] + sun[2], abs=0.2)
         assert np.hypot(*(planet - ring)[:2]) == pytest.approx(ring[2] - planet[2], abs=0.2)
+
+
+def test_other_planets_stand_round_the_sun():
+    meshes = {name: each | {"planets": 4} for name, each in PLANETARY["meshes"].items()}
+    _, placed = shown(PLANETARY | {"meshes": meshes})
+    centres = np.array([ring.mean(axis=0)[[0, 2]] for ring in placed["arm"]])
+    np.testing.assert_allclose(sorted(centres.tolist()), [[-0.25, 0.0], [0.0, -0.25], [0.0, 0.25]], atol=1e-12)

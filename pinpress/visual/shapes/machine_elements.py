@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import pinocchio as pin
 
 from ...common.frozen import read_only
 from ...common.quantities import Array
@@ -69,6 +70,8 @@ def element_solids(press: Linkage, layout: BearingLayout, shown: Sequence[Array]
     for circle in circles:
         for solid in _gear(circle, in_front(circle.centre), layout.width):
             yield circle.link, solid
+    for circle in _other_planets(press, layout, circles):
+        yield circle.link, _ring(circle, in_front(circle.centre), layout.width)
     for mesh in press.meshes.values():
         if isinstance(mesh, RackAndPinion):
             yield mesh.links[1], _rack(mesh, layout, in_front)
@@ -99,6 +102,18 @@ def _circles(press: Linkage, layout: BearingLayout) -> list[_Circle]:
     return circles
 
 
+def _other_planets(press: Linkage, layout: BearingLayout, circles: Sequence[_Circle]) -> Iterator[_Circle]:
+    """Pitch circles of the planets for which a drawn one stands, on their carrier: they have no link whose rotation could be shown."""
+    for planet, contact in {contact.planets.planet: contact for contact in press.contacts if contact.planets is not None}.items():
+        assert contact.planets is not None
+        pin_, centre = (_on_body(press, layout, contact.carrier, point) for point in (contact.planets.pin, contact.planets.center))
+        axis = _on_body(press, layout, contact.carrier, contact.planets.center + contact.planets.axis) - centre
+        for circle in (each for each in circles if press.frame_of(each.link).parentJoint == planet and not each.internal):
+            for k in range(1, contact.planets.number):
+                turned = pin.exp3(2 * math.pi * k / contact.planets.number * axis)
+                yield circle._replace(link=press.link_of(contact.carrier), centre=centre + turned @ (pin_ - centre))
+
+
 def _height(layout: BearingLayout, reaches: Sequence[tuple[Array, float]], shown: Sequence[Array]) -> float | None:
     """Height along the normal of the plane of all elements of a planar linkage: in front of the solids that come near them [m]."""
     if layout.normal is None or not reaches:
@@ -113,12 +128,10 @@ def _height(layout: BearingLayout, reaches: Sequence[tuple[Array, float]], shown
 
 def _gear(circle: _Circle, centre: Array, width: float) -> Iterator[MadeUpSolid]:
     """A pitch circle with its spoke, hub and shaft; of an internal gear with a mark."""
-    radius, thick = circle.radius, THICK * width
-    wide = min(max(RING * radius, 0.1 * width), 1.2 * width)
-    placement = _axes(centre, circle.towards, circle.axis)
-    inner, outer = (radius, radius + wide) if circle.internal else (radius - wide, radius)
-    angle = 2 * np.pi * np.arange(AROUND) / AROUND
-    yield MadeUpSolid(_swept([_section(at, (inner, outer), (-thick / 2, thick / 2)) for at in angle], closed=True), placement)
+    radius, wide, thick = circle.radius, _wide(circle, width), THICK * width
+    ring = _ring(circle, centre, width)
+    placement = ring.placement
+    yield ring
     if circle.internal:
         yield MadeUpSolid(Box((wide, wide, thick)), _shifted(placement, 1.5 * wide + radius), darker=True)
         return
@@ -127,6 +140,19 @@ def _gear(circle: _Circle, centre: Array, width: float) -> Iterator[MadeUpSolid]
     yield MadeUpSolid(Cylinder(hub, thick), placement, darker=True)
     if (back := float(np.linalg.norm(centre - circle.centre))) > thick:
         yield standing(Cylinder(SHAFT / HUB * hub, back), (centre + circle.centre) / 2, circle.axis, steel=True)
+
+
+def _ring(circle: _Circle, centre: Array, width: float) -> MadeUpSolid:
+    """A pitch circle as a band, inside the circle, of an internal gear outside it."""
+    wide, thick = _wide(circle, width), THICK * width
+    radii = (circle.radius, circle.radius + wide) if circle.internal else (circle.radius - wide, circle.radius)
+    angle = 2 * np.pi * np.arange(AROUND) / AROUND
+    band = _swept([_section(at, radii, (-thick / 2, thick / 2)) for at in angle], closed=True)
+    return MadeUpSolid(band, _axes(centre, circle.towards, circle.axis))
+
+
+def _wide(circle: _Circle, width: float) -> float:
+    return min(max(RING * circle.radius, 0.1 * width), 1.2 * width)
 
 
 def _rack(mesh: RackAndPinion, layout: BearingLayout, in_front: _Shift) -> MadeUpSolid:
