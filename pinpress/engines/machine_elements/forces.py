@@ -113,7 +113,7 @@ def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray
     residuals = ways.relations[:, placed.relations].transpose(2, 1, 0)
     balanced = np.eye(len(ways.relations)) - np.linalg.pinv(residuals, rcond=tolerance) @ residuals  # (n, ways, idle)
     unrubbed, idle = np.zeros((placed.bearings + placed.rows, len(position[0]))), len(ways.relations) - len(contacts)
-    in_contacts = [placed.of_first_on_second(single, 0.0 * single, unrubbed) for single in placed.singles()]
+    in_contacts = [placed.of_first_on_second(single, single, unrubbed) for single in placed.singles()]
     for place, vectors, unit in ((0, ways.force, 1.0), (3, ways.moment, engine.structure.size)):
         own = np.zeros((len(vectors), len(contacts), *vectors.shape[2:]))
         own[idle:] = [each[place // 3] for each in in_contacts]
