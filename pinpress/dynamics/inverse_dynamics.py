@@ -8,11 +8,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..common.arguments import typed
-from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
+from ..common.errors import PinpressError, SingularityError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, NamedArrays
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
+from ..engines.machine_elements.cams import CamContact
 from ..engines.sharing import compliances
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import Motion, accelerated, blank, filled, refuse_other_joints, with_gaps_of
@@ -26,6 +27,7 @@ from .reactions import Reactions, carrying, find_wrenches
 
 NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 PASSIVE = ("free", "given", "equilibrium")
+ROUNDED = 1e-9  # share of the largest effort of a cam that is rounding
 CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
 T = TypeVar("T")
 
@@ -71,6 +73,9 @@ def inverse_dynamics(
         UnknownNameError: a bearing or link that the linkage does not have.
         AssemblyError: a motion of a linkage with other lengths.
         SingularityError: a state of a simulated run at a change point.
+
+    Warns:
+        PinpressWarning: the roller of a cam leaves it.
     """
     refuse_other_joints(press, motion)
     chosen = press.engine(engine)
@@ -87,8 +92,20 @@ def inverse_dynamics(
         conditions = AppliedConditions(applied_loads.apply(checked_loads, press, motion), law, compliance)
         motion, conditions = _move_passive(press, chosen, motion, conditions, passive)
         wrenches = find_wrenches(press, chosen, motion, conditions, bearings=bool(indices))
+    if indices:
+        _doubt_cams(press, motion, wrenches)
     inputs = (tuple(loads), _freeze(friction), _freeze(stiffness), passive)
     return _reactions(press, with_gaps_of(press, motion, asked), chosen.name, conditions, indices, wrenches, inputs)
+
+
+def _doubt_cams(press: Linkage, motion: Motion, wrenches: Wrenches) -> None:
+    """Warn of rollers that would leave their cams, so that the forces are not those of the press."""
+    for cam in (contact for contact in press.contacts if isinstance(contact, CamContact) and not contact.grooved):
+        effort = cam.sense * wrenches.relations[cam.relation]
+        least = int(effort.argmin())
+        if effort[least] < -ROUNDED * np.abs(effort).max():
+            problem = f"{press.name}: its roller leaves the cam {cam.name!r} at {motion.place(least)}, where the cam would have to pull it"
+            caution(f"{problem}: press it on by a spring or a load, lower the speed, or write kind groove")
 
 
 def _move_passive(

@@ -10,10 +10,10 @@ import pytest
 from support import cams, texts
 
 import pinpress as pp
-from pinpress.loads import PointForce, PointMoment, SpringDamper
+from pinpress.loads import PointForce, PointMoment
 
 SPEED = 12.0
-SPRING = SpringDamper("frame", "ejector", 20e3, 0.0, 0.26, (0.01, 0.0, 0.22 + np.sqrt(0.0063)), (0.0, 0.0, 0.0))  # preloaded by 800 N
+LEAVES = "ejector: its roller leaves the cam 'eject' at crank angle .* deg, where the cam would have to pull it: press it on by a spring"
 LOAD = PointForce("ejector", (0.0, 0.0, -3000.0))
 
 
@@ -45,8 +45,8 @@ def test_ejector(law, printed):
     """Lift [mm], pressure angle [deg], force, torque and radius of the pitch curve [mm] at cam angles; what goes into cam and guide."""
     press = ejector(law)
     motion = pp.cycle(press, SPEED, points=72)
-    found = pp.measures.cam(press, pp.inverse_dynamics(press, motion, [SPRING, LOAD]), "eject")
-    both = [pp.inverse_dynamics(press, motion, [SPRING, LOAD], engine=engine) for engine in ("space", "pinocchio")]
+    found = pp.measures.cam(press, pp.inverse_dynamics(press, motion, [cams.SPRING, LOAD]), "eject")
+    both = [pp.inverse_dynamics(press, motion, [cams.SPRING, LOAD], engine=engine) for engine in ("space", "pinocchio")]
     for angle, values in printed.items():
         k = angle // 5
         shown = 1e3 * found.lift[k], np.degrees(found.pressure_angle[k]), found.force[k], found.cam_torque[k], 1e3 * found.pitch_radius[k]
@@ -73,7 +73,7 @@ def test_speed_of_lift_off(law, speed):
     table = copy.deepcopy(cams.EJECTOR)
     table["cams"]["eject"]["law"] = [[0, 0], {law: [90, 40]}, [180, 40], {"3-4-5": [359, 0]}]
     press = pp.build(**table)
-    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED if law == "sine" else 30.0, points=72), [SPRING])
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED if law == "sine" else 20.0, points=72), [cams.SPRING])
     assert pp.measures.cam(press, reactions, "eject").lift_off_speed == pytest.approx(speed, abs=6e-9)
 
 
@@ -81,7 +81,7 @@ def test_speed_of_lift_off(law, speed):
 def test_lift_off_with_a_load_that_grows_with_the_speed():
     """A damper that only opposes the return; the speed is confirmed by the least force at this speed."""
     press = ejector("3-4-5")
-    damped = [dataclasses.replace(SPRING, damping=400.0)]
+    damped = [dataclasses.replace(cams.SPRING, damping=400.0)]
     speed = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=90), damped), "eject").lift_off_speed
     again = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, speed, points=90), damped), "eject")
     assert abs(again.least_force[0]) < 1e-6 * again.largest_force[0]
@@ -89,7 +89,8 @@ def test_lift_off_with_a_load_that_grows_with_the_speed():
 
 def test_what_no_speed_lifts_off():
     press, holder = ejector("3-4-5"), cams.press("drawing_press")
-    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=24), [PointForce("ejector", (0.0, 0.0, 1000.0))])
+    with pytest.warns(pp.PinpressWarning, match=LEAVES):
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=24), [PointForce("ejector", (0.0, 0.0, 1000.0))])
     assert pp.measures.cam(press, reactions, "eject").lift_off_speed == 0.0  # it is lifted at rest
     uneven = pp.servo_cycle(press, np.linspace(0.0, 6.0, 24), speed=np.linspace(1.0, 2.0, 24), acceleration=np.zeros(24))
     assert pp.measures.cam(press, pp.inverse_dynamics(press, uneven), "eject").lift_off_speed is None
@@ -167,12 +168,13 @@ def test_hertz_in_a_groove():
     np.testing.assert_allclose(pressure, np.sqrt(5000.0 * 2.1e11 * 40.0 / (2 * np.pi * 0.91 * 0.03)), rtol=1e-12)
 
 
+@pytest.mark.filterwarnings("ignore:ejector. its roller leaves the cam")
 def test_peaks_do_not_depend_on_the_states():
     """The acceleration of the trapezoid jumps at corners between the states: both limits are found, and smooth peaks as well."""
     press = ejector("trapezoid")
     found = []
     for points in (36, 97):
-        reactions = pp.inverse_dynamics(press, pp.cycle(press, 40.0, points=points), [SPRING])
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, 40.0, points=points), [cams.SPRING])
         cam = pp.measures.cam(press, reactions, "eject")
         guide = next(each for each in pp.measures.extremes(reactions) if each.quantity == "force in ejector_guide, x")
         found.append([*cam.largest_force, cam.least_force[0], cam.largest_pressure[0], guide.largest, guide.smallest])
@@ -202,7 +204,7 @@ def test_clockwise():
     """With all turns reversed, a negative speed gives the forces of the positive one; the offset is on the same side of the picture."""
     clockwise = pp.build(**copy.deepcopy(cams.EJECTOR) | {"turns": "clockwise", "pins": {"O": [0, 0], "E": [-10, "sqrt(80**2 - 10**2)"]}})
     press = cams.press("ejector")
-    one, other = (pp.inverse_dynamics(each, pp.cycle(each, SPEED, points=36)) for each in (press, clockwise))
+    one, other = (pp.inverse_dynamics(each, pp.cycle(each, 5.0, points=36)) for each in (press, clockwise))
     mirrored = one.bearing_force["eject"] * [-1.0, 1.0, 1.0]
     np.testing.assert_allclose(other.bearing_force["eject"], mirrored, atol=1e-9)
     np.testing.assert_allclose(other.driving_torque, one.driving_torque, atol=1e-9)
@@ -210,7 +212,7 @@ def test_clockwise():
 
 def test_result_is_read_only_and_can_be_sent():
     press = cams.press("ejector")
-    found = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36)), "eject")
+    found = pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36), [cams.SPRING]), "eject")
     again = pickle.loads(pickle.dumps(found))
     assert again.least_force == found.least_force
     assert not again.force.flags.writeable
@@ -220,7 +222,7 @@ def test_result_is_read_only_and_can_be_sent():
 
 def test_refused_cams():
     press, other = cams.press("ejector"), cams.press("feeder")
-    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36))
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36), [cams.SPRING])
     with pytest.raises(pp.PinpressError, match="no cam 'ejekt', did you mean 'eject'"):
         pp.measures.cam(press, reactions, "ejekt")
     with pytest.raises(pp.PinpressError, match="the reactions are of ejector: give reactions of feeder"):

@@ -1,4 +1,4 @@
-"""Presses with cams, as tables: an ejector in a guide, a feeder on an arm, and a blank holder in a groove beside a crank-slide."""
+"""Presses with cams, as tables: an ejector in a guide, a feeder on an arm, and a blank holder beside a crank-slide."""
 
 from functools import cache
 
@@ -6,7 +6,6 @@ import numpy as np
 
 import pinpress as pp
 
-D = np.radians
 EJECTOR = {
     "press": "ejector",
     "units": "mm",
@@ -39,6 +38,7 @@ FEEDER = {
             "radius": 70,
             "at": "R",
             "roller": "40 x 30",
+            "kind": "groove",
             "law": [[0, 0], {"3-4-5": [100, 15]}, [180, 15], {"3-4-5": [300, 0]}],
         }
     },
@@ -68,6 +68,9 @@ BLANK_HOLDER = {
         }
     },
 }
+SPRING = pp.loads.SpringDamper("frame", "ejector", 20e3, 0.0, 0.26, (0.01, 0.0, 0.22 + np.sqrt(0.0063)))
+"""On the ejector, preloaded by 800 N."""
+
 TABLES = {"ejector": EJECTOR, "feeder": FEEDER, "drawing_press": BLANK_HOLDER}
 
 
