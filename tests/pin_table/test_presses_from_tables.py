@@ -116,7 +116,7 @@ def test_in_a_call_as_in_a_file():
 
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("name", ["knuckle", "drawing-8-bar", "eccentric-block", "guide-bar"])
+@pytest.mark.parametrize("name", ["knuckle", "drawing-8-bar", "eccentric-block", "guide-bar", "hypocycloid"])
 def test_any_order_is_the_same_press(name, seed, tmp_path):
     """Torque and forces, these up to the sense in which they are given."""
     table = yaml.load(template(name), Loader=yaml.BaseLoader)
