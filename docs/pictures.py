@@ -307,6 +307,11 @@ def sketch() -> str:
     return pp.pin_table.draft(ROOT / "urdf" / "zxn2_3000b.yaml").sketch
 
 
+def pitch_circles() -> str:
+    """docs/machine_elements.md: the drawn pose of the template hypocycloid."""
+    return pp.pin_table.draft(ROOT / "pinpress" / "pin_table" / "templates" / "hypocycloid.yaml").sketch
+
+
 def notebook() -> str:
     """docs/pinocchio.md: joints of the tree and loops, as a notebook shows a press."""
     shown = six_bar()._repr_html_()
@@ -423,7 +428,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
     slide, polar, pole_path, polygons, workspace, run, slip_clutch, tolerances, identifiability, ratings,
     die_trade_off, play, accuracy_budget, pause, eight_way_guide, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
-    programs, sketch,
+    programs, sketch, pitch_circles,
     lengths_too_short, notebook, report_page, frame_report, frame_modes, live, process_force, measured_modes, orders,
 )  # fmt: skip
 

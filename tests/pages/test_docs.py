@@ -76,7 +76,7 @@ PICTURED += [
     "tour",
     "units_and_signs",
 ]
-PICTURED += ["engines", "errors", "measured_vibration", "press_parts"]
+PICTURED += ["engines", "errors", "machine_elements", "measured_vibration", "press_parts"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 
