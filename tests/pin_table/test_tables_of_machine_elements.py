@@ -1,5 +1,7 @@
 """Gears, racks, screws and worms of pin tables: what their URDF says of them, and what is refused."""
 
+import contextlib
+import random
 import re
 import xml.etree.ElementTree as ET
 from typing import Any
@@ -7,10 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, MESHING, PLANETARY, SCREW, TEETH, WORM, changed, meshing
+from support.generators.machine_elements import ARBOR, GEARED, LEVER_GEAR, MESHING, PLANETARY, RUBBING, SCREW, TEETH, WORM, changed, meshing
 
 import pinpress as pp
 from pinpress.pin_table.building import draft
+from pinpress.pin_table.machine_elements import SECTIONS
 
 
 def elements(table: dict[str, Any]) -> list[dict[str, str]]:
@@ -303,3 +306,38 @@ def test_the_urdf_with_shapes_loads_to_the_same_press(name, tmp_path):
     assert (again.joints, again.drivers, list(again.meshes)) == (press.joints, press.drivers, list(press.meshes))
     for one, other in zip(again.relations, press.relations, strict=True):
         assert dict(one.coefficients) == pytest.approx(dict(other.coefficients), rel=1e-14)
+
+
+ODD = [None, "", " ", "x", 5, -5, 0, 1e300, float("nan"), True, [], [1], [1, 2], [1, 2, 3], {}, {"a": 1}, "1 2", "frame", "frame frame"]
+ODD += [
+    "pinion",
+    "slide",
+    "Q",
+    "Q O",
+    "P P P",
+    "-0",
+    "24mm",
+    "24 kg",
+    "mm",
+    "0x10",
+    "15 left right",
+    "left",
+    "2**2**2**2**2",
+    "1/0",
+    "\u202e",
+]
+
+
+@pytest.mark.exhaustive
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+@pytest.mark.parametrize("seed", range(300))
+def test_odd_values_make_a_press_or_an_error(seed):
+    chosen = random.Random(seed)
+    table = chosen.choice([*MESHING.values(), *RUBBING.values()])
+    section = chosen.choice([name for name in SECTIONS if name in table])
+    name = chosen.choice(list(table[section]))
+    element = dict(table[section][name]) | {
+        chosen.choice(SECTIONS[section].keys): chosen.choice(ODD) for _ in range(chosen.choice([1, 1, 2]))
+    }
+    with contextlib.suppress(pp.PinpressError):
+        assert pp.build(**table | {section: table[section] | {name: element}}).meshes
