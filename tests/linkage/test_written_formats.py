@@ -6,7 +6,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-import yourdfpy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from reference.robots.cases import CASES, FOLDER
@@ -145,6 +144,8 @@ def test_a_urdf_with_home_at_zero_is_closed_for_another_reader(name, tmp_path):
     if case.path.suffix == ".xml":
         pytest.importorskip("mujoco")
     path = pp.write_urdf(case.press, tmp_path / "home.urdf", home=True)
+    import yourdfpy  # takes longer than the other imports of these tests together
+
     read = yourdfpy.URDF.load(str(path), load_meshes=False, build_scene_graph=True)
     read.update_cfg(np.zeros(len(read.actuated_joints)))
     for loop in ElementTree.parse(path).getroot().findall("loop_joint"):

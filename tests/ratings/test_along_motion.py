@@ -13,7 +13,6 @@ from pinpress import PinpressError, UnknownNameError
 from pinpress.ratings import Capacities, rate, rate_motion
 from pinpress.ratings.limits import Limit, forces_with_friction
 
-UNITS = pint.UnitRegistry()
 TIME = np.arange(90) / 90
 TURNED = 2 * np.pi * TIME
 
@@ -82,7 +81,7 @@ def test_one_driver_at_constant_speed_is_rated_as_by_rate(friction):
     motion = pp.servo_cycle(press, expected.crank_angle, speed=7.0, acceleration=0.0)
     found = rate_motion(press, motion, capacities, friction=friction)
     np.testing.assert_allclose(found.force, expected.force, rtol=1e-9)
-    torque: Any = UNITS.Quantity(130.0, "kN m")
+    torque: Any = pint.Quantity(130.0, "kN m")
     named = rate_motion(press, motion, Capacities(3e6, drivers={press.driver: torque}, bearings=capacities.bearings), friction=friction)
     np.testing.assert_array_equal(named.force, found.force)
 
@@ -117,7 +116,7 @@ def test_the_table_names_states_and_limits(press, motion):
         ({"motor_power": 1e4}, "motor_power is not a capacity along a given motion"),
         ({"drivers": {"A": 200.0}}, "the driving torque of 'A' is .* without a process, but the capacity is 200 N m"),
         ({"bearings": {"S": 10.0}}, "the force in bearing 'S' is"),
-        ({"drivers": {"A": UNITS.Quantity(5.0, "kN")}}, "the capacity of driver 'A' is given in N, but the driver turns"),
+        ({"drivers": {"A": pint.Quantity(5.0, "kN")}}, "the capacity of driver 'A' is given in N, but the driver turns"),
     ],
 )
 def test_capacities_that_are_none_are_refused(press, motion, given, says):
