@@ -12,6 +12,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
+FIRST_STEP, STEPS = 0.125, (0.05, 100.0)  # shares of a whole step: the first one, and the shortest and longest
 RUNAWAY = 1e9  # share of the first sizes above which changes grow without end
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
 
@@ -95,13 +96,20 @@ def fixed_point(follow: Callable[[Array], tuple[Array, Array]], start: Array, se
     Returns:
         The efforts, and None; where they do not settle, the last changes (...), infinite where they are not finite.
     """
-    # Where forces answer a change by more, against it, as in a thread that locks, whole steps lead away from the efforts.
-    for share in (1.0, 0.125):
+    # Whole steps lead away where forces answer a change by more, against it, and hardly on where they nearly support themselves, as in a
+    # thread that nearly locks. Then steps are as long as Aitken's rule says, which never turns one round: what locks stays locked.
+    for whole in (True, False):
         efforts, change, first = start, np.full(start.shape[1:], np.inf), np.zeros(start.shape[1:])
-        for _ in range(MOST_ITERATIONS):
+        share, last = np.full(start.shape[1:], FIRST_STEP), np.zeros_like(start)
+        for k in range(MOST_ITERATIONS):
             following, size = follow(efforts)
-            before, change = change, np.abs(following - efforts).max(axis=0)
-            efforts = following if share == 1.0 else efforts + share * (following - efforts)
+            step = following - efforts
+            before, change = change, np.abs(step).max(axis=0)
+            if k and not whole:
+                bend = last - step
+                squares = (bend * bend).sum(axis=0)
+                share = np.where(squares > 0, share * (last * bend).sum(axis=0) / np.where(squares > 0, squares, 1.0), share).clip(*STEPS)
+            efforts, last = (following if whole else efforts + share * step), step
             # rounding can keep the last digits moving: stop where the change no longer shrinks
             if np.all((change <= settled * size) | ((change <= 1e-12 * size) & (change >= before))):
                 return efforts, None

@@ -346,6 +346,17 @@ def test_a_nut_drives_a_screw_that_locks_backwards_only():
     np.testing.assert_allclose(found.driving_torque, -1e5, rtol=1e-10)
 
 
+@pytest.mark.parametrize("friction", [0.1, 0.12])
+def test_a_nut_drives_a_screw_that_nearly_locks(friction):
+    """Of what the nut gives 18 or 2 parts of a hundred turn the spindle; both are found to the last digits."""
+    press = screw(20, 50, friction, 15, driver="guide")
+    motion = pp.servo_cycle(press, angle=[0.0], speed=[0.1], acceleration=[0.0])
+    found = pp.inverse_dynamics(press, motion, [pp.loads.PointMoment("spindle", (0, 0, -100.0))])
+    lead = np.arctan(20 / (np.pi * 50))
+    angle = lead - np.arctan(friction / np.cos(np.arctan(np.tan(np.radians(15)) * np.cos(lead))))
+    np.testing.assert_allclose(found.driving_torque, 100 / (0.025 * np.tan(angle)), rtol=1e-12)
+
+
 def worm_gear(starts=2, friction=0.05, driver="worm"):
     return load(
         f"""<robot name="worm"><link name="frame"/><link name="worm">{INERTIA}</link><link name="wheel">{INERTIA}</link>
