@@ -25,7 +25,7 @@ def least(works: Sequence[Work], repeats: int, clock: Callable[[], float] = CLOC
 
 
 def once(work: Callable[[], Result], clock: Callable[[], float] = CLOCK) -> tuple[Result, float]:
-    """Result and seconds of the one call of some work that cannot be repeated, such as a first call, or that takes long."""
+    """Result and seconds of the one call of some work that cannot be repeated, or that takes long."""
     begin = clock()
     result = work()
     return result, clock() - begin

@@ -7,9 +7,7 @@ import shutil
 import subprocess
 import sys
 import warnings
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import make
 import pytest
@@ -46,26 +44,6 @@ def test_benchmarks_print_tables(name: str, capsys: pytest.CaptureFixture[str]) 
         cells = [line.count(" | ") for line in table.splitlines() if not line.startswith("|---")]
         assert len(cells) > 1, table
         assert len(set(cells)) == 1, table
-
-
-@pytest.mark.exhaustive
-def test_every_first_call_can_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    """All of `first_calls` in one process, where each is the first of its kind."""
-    matplotlib = pytest.importorskip("matplotlib")
-    script = vars(import_module("benchmarks.speed.first_calls"))
-    names: dict[str, Any] = {}
-    failed = {}
-    with warnings.catch_warnings(), matplotlib.rc_context({"figure.max_open_warning": 0}):
-        warnings.simplefilter("ignore")
-        exec(script["START"], names)
-        for name, made in script["GIVEN"].items():
-            exec(f"{name} = {made}", names)
-        for name, call in (each for calls in script["KINDS"].values() for each in calls.items()):
-            try:
-                exec(call, names)
-            except Exception as error:
-                failed[name] = error
-    assert failed == {}
 
 
 @pytest.mark.exhaustive
