@@ -15,7 +15,9 @@ import numpy as np
 
 from ..common.arguments import expect, positive, typed, whole_number
 from ..common.errors import PinpressError
-from ..common.motion_laws import VDI_LAWS, MotionLaw, vdi_law
+from ..common.motion_laws import VDI_LAWS
+from ..common.motion_laws import MotionLaw as MotionLaw  # public names of this room
+from ..common.motion_laws import vdi_law as vdi_law
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..kinematics.cycle import motion_through_change_points
