@@ -156,18 +156,25 @@ def test_efficiency_of_a_planetary_gear(engine):
 @pytest.mark.parametrize("engine", ENGINES[1:])  # redundant gears are no blocks of the plane
 @pytest.mark.parametrize("efficiencies", [(1.0, 1.0), (0.99, 0.985)])
 def test_one_planet_for_four_and_all_that_are_drawn(engine, efficiencies):
-    """Four that are drawn share alike, as one drawn for four does; sun and carrier carry nothing."""
-    single, four = planetary(efficiencies, 4, massless=True), planetary(efficiencies, 1, 4, massless=True)
+    """Four helical planets that are drawn share alike, as one drawn for four does; sun and carrier carry nothing but axial forces."""
     both = []
-    for press in (single, four):
+    for planets, drawn in ((4, 1), (1, 4)):
+        text = planetary(efficiencies, planets, drawn, massless=True).text.decode()
+        for gear, hand in (("S_body", "right"), ("frame", "left")):
+            text = text.replace(f'gear1="{gear}"', f'helix="15" hand="{hand}" gear1="{gear}"')
+        press = load(text, drivers=("S",))
         motion, loads = stage(press)
         both.append(pp.inverse_dynamics(press, motion, loads, engine=engine))
         for name in ("S", "C"):
-            np.testing.assert_allclose(both[-1].bearing_force[name], 0.0, rtol=0, atol=1e-8)
+            np.testing.assert_allclose(both[-1].bearing_force[name][:, [0, 2]], 0.0, rtol=0, atol=1e-8)
+            np.testing.assert_allclose(both[-1].bearing_moment[name][:, [0, 2]], 0.0, rtol=0, atol=1e-9)
+        thrust = both[-1].mesh["sun0"].axial * 4
+        np.testing.assert_allclose(both[-1].bearing_force["S"][:, 1], np.abs(thrust), rtol=1e-11)
         assert np.abs(both[-1].power_residual).max() < 1e-13
     one, all_ = both
     np.testing.assert_allclose(all_.driving_torque, one.driving_torque, rtol=1e-11)
-    for name in ("sun0", "ring0", "P0"):
+    for name in ("sun0", "ring0", "P0", "S", "C"):
+        np.testing.assert_allclose(all_.bearing_moment[name], one.bearing_moment[name], rtol=1e-10, atol=1e-9)
         np.testing.assert_allclose(all_.bearing_force[name], one.bearing_force[name], rtol=1e-10, atol=1e-8)
         sizes = [np.linalg.norm(all_.bearing_force[name.replace("0", str(k))]) for k in range(4)]
         np.testing.assert_allclose(sizes, sizes[0], rtol=1e-10)
