@@ -87,25 +87,25 @@ class Returning(NamedTuple):
     """Which joints have to come back for a linkage to be back at its start.
 
     Attributes:
-        on_loop: (nv,) whether a joint is on a loop.
+        closed: (nv,) whether a joint has to be back, see `Structure.returning`.
         turns: (nv,) whether a joint turns.
     """
 
-    on_loop: NDArray[np.bool_]
+    closed: NDArray[np.bool_]
     turns: NDArray[np.bool_]
 
     def farthest(self, size: float) -> Array:
         """How far a joint (nv,) may move in a linkage of this size: a slide between guides that become parallel moves beyond all bounds,
         and the rounding of its loop with it."""
         # A slide that is a thousand lengths of the linkage away is at no place of a machine.
-        return np.where(self.on_loop & ~self.turns, 1e3 * size, np.inf)
+        return np.where(self.closed & ~self.turns, 1e3 * size, np.inf)
 
     def whole_turns(self, gained: Array, tolerance: float) -> Array | None:
-        """By how much every joint (nv,) has advanced over a period, if all joints on loops are back after ``gained`` (nv,), but for whole
-        turns; else None. A geared shaft that is on no loop may have any angle."""
+        """By how much every joint (nv,) has advanced over a period, if all joints that have to be back are, after ``gained`` (nv,), but for
+        whole turns; else None. A geared shaft that moves nothing else may have any angle."""
         whole = np.where(self.turns, 2 * np.pi * np.round(gained / (2 * np.pi)), 0.0)
         back = np.abs(gained - whole) <= tolerance
-        return np.where(self.on_loop, whole, gained) if np.all(back | ~self.on_loop) else None
+        return np.where(self.closed, whole, gained) if np.all(back | ~self.closed) else None
 
 
 def walk(

@@ -113,6 +113,13 @@ class Structure:
         return np.asarray((self.incidence != 0.0).any(axis=1))
 
     @cached_property
+    def returning(self) -> NDArray[np.bool_]:
+        """(nv,) whether a joint has to come back, but for whole turns, before motion repeats itself: on loops, and of cams and their
+        followers."""
+        curved = [joint for relation in self.relations if relation.curve is not None for joint in relation.joints]
+        return self.on_loop | np.isin(np.arange(self.model.nv), curved)
+
+    @cached_property
     def incidence(self) -> Array:
         """(nv, nl) ``joints_of_loop`` as a matrix, zero where a joint is not on a loop."""
         return _matrix(self.joints_of_loop, self.model.nv).T.copy()

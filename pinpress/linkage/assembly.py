@@ -214,7 +214,7 @@ def walk_branch(
     A driver that slides goes as far as the limits of its joint."""
     smallest_margin = max(smallest_margin, structure.smallest_margin)
     close_angle, tolerance = _closing_function(engine), engine.tolerance
-    returning = Returning(structure.on_loop, structure.turns)
+    returning = Returning(structure.returning, structure.turns)
     begin = float(start[structure.drivers[0]])
     return walk(close_angle, start, returning, structure.size, tolerance, smallest_margin, gap, begin, _travel(structure, begin))
 

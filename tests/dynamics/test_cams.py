@@ -185,6 +185,22 @@ def test_peaks_do_not_depend_on_the_states():
     assert found[0][0] == pytest.approx(at_corner / cosine, rel=1e-9)
 
 
+@pytest.mark.parametrize(("ratio", "turns"), [(-0.5, 2), (2 / 3, 3), (-2.0, 1)])
+def test_the_period_is_that_of_the_cam(ratio, turns):
+    """Of a camshaft that is geared to the driver, whose speed of lift-off then counts."""
+    table = copy.deepcopy(cams.EJECTOR)
+    table |= {"frame": "O Q", "pins": table["pins"] | {"Q": [-200, 0]}, "drive": "Q", "gears": {"O": f"{ratio} * Q"}}
+    table["links"]["motor"] = {"pins": "Q", "mass": 5, "inertia": 0.01}
+    press = pp.build(**table)
+    motion = pp.cycle(press, 3.0, points=60)
+    assert motion.period_turns == turns
+    assert motion.joint_position[:, press.joints.index("ejector_guide")].max() == pytest.approx(0.04, abs=1e-12)
+    lift_off = pp.measures.cam(press, pp.inverse_dynamics(press, motion), "eject").lift_off_speed
+    plain = cams.press("ejector")
+    alone = pp.measures.cam(plain, pp.inverse_dynamics(plain, pp.cycle(plain, 3.0, points=60)), "eject").lift_off_speed
+    assert lift_off * abs(ratio) == pytest.approx(alone, rel=1e-9)
+
+
 def test_drawn_elsewhere():
     """A press drawn at another crank angle has the same forces in the world."""
     press = cams.press("drawing_press")
