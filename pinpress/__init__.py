@@ -10,7 +10,7 @@
     pp.report(press, motion, "report.html", reactions=reactions)
 
 SI units and radians throughout. World z is up; a planar press stands in the x-z plane. What not everyone needs stands in namespaces:
-`pin_table`, `loads`, `drives`, `measures`, `ratings`, `servo`, `measured`, `tolerances`, `elasticity`, `foundation`, `balancing`,
+`pin_table`, `loads`, `drives`, `measures`, `ratings`, `fe`, `servo`, `measured`, `tolerances`, `elasticity`, `foundation`, `balancing`,
 `synthesis`, `sweeps`, `derivatives`, `plots`, `video` and `accuracy`.
 """
 

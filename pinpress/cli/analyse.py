@@ -18,6 +18,7 @@ from ..dynamics.driving_energy import driving_energy
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.reactions import Reactions
+from ..fe.link_loads import LinkLoads
 from ..jobs.bearings import pins_of
 from ..jobs.job import Job, stopping_results, traces_of
 from ..ratings.along_motion import MotionRatings
@@ -32,7 +33,7 @@ from .options import SHORT, SIGNS, add_job_options, open_job, print_inputs, say_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
 
-FILES = {PinRatings: "pins.csv", StoppingTimes: "stopping.csv"}
+FILES = {PinRatings: "pins.csv", LinkLoads: "load_cases.csv", StoppingTimes: "stopping.csv"}
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -44,7 +45,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "which the press repeats itself), or move one or several drivers by the table of motion. Prints slide, torque and forces; with\n"
         "capacities the permissible force; with sizes of bearings their pressure and life; with stopping the stops under the brake; with\n"
         "a flywheel its drop of speed; with a motor the steady state. With --out also writes cycle.csv (every quantity in every state),\n"
-        "ratings.csv and ratings.png, pins.csv, stopping.csv, and the pages recording.html and report.html.",
+        "ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp, stopping.csv, and the pages recording.html and\n"
+        "report.html.",
         epilog=SIGNS + SHORT + "pinpress analyse press.yaml --out out",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -65,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
     results: list[Tabular] = [] if ratings is None else [ratings]
     shares = [] if ratings is None or not job.loads else [permitted(reactions, ratings)]
     results += [job.pins()] if pins_of(job.press, job.bearings) else []
+    results += [job.load_cases()] if "fe" in job.sections else []
     results += stopping_results(job) if "stopping" in job.sections else []
     more = [line for each in results for line in ("", str(each))]
     if "motion" not in job.sections and len(job.press.drivers) == 1 and job.press.driver_coordinates[0].turns:
@@ -157,6 +160,9 @@ def _write(job: Job, reactions: Reactions, ratings: Any, results: list[Tabular],
         if file := FILES.get(type(result)):
             result.to_csv(folder / file)
             names.append(file)
+        if isinstance(result, LinkLoads) and "mesh" in job.sections["fe"]:
+            result.write_inp(folder / "load_cases.inp", mesh=job.sections["fe"]["mesh"], nodes=job.sections["fe"].get("nodes", {}))
+            names.append("load_cases.inp")
     if ratings is None:
         say_written(folder, names)
         return

@@ -109,7 +109,7 @@ def integration_states(reactions: Reactions, reversing: Callable[[Motion], Itera
         return reactions, 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
     crossings, turns = _crossings(reactions, path)
     events = motion.jumps if isinstance(motion, Simulated) else None
-    jumps = np.concatenate([crossings, turns, [] if events is None else events])
+    jumps = np.concatenate([crossings, _corners(reactions, path), turns, [] if events is None else events])
     states = path.times[: len(motion.crank_angle)]
     count = len(list(reversing(motion)))
     zeros = [_roots(path, lambda motion, k=k: list(reversing(motion))[k], states, motion) for k in range(count)]  # type: ignore[misc]
@@ -120,6 +120,38 @@ def integration_states(reactions: Reactions, reversing: Callable[[Motion], Itera
     times = np.column_stack([ends[:-1], ends[:-1, None] + half[:, None] * (1 + nodes)]).ravel()
     weight = np.column_stack([np.zeros(len(half)), half[:, None] * shares]).ravel()
     return in_other_states(reactions, path.at(times)), weight
+
+
+def states_at(reactions: Reactions, angles: Array) -> Reactions:
+    """The reactions in the states in which the first driver is at angles (m,) [rad or m], of a period in any of its turns.
+
+    Raises:
+        PinpressError: the driver does not reach an angle, or the motion is known in its given states alone.
+    """
+    path, coordinate = _path(reactions), reactions.motion.driver_coordinates[0]
+    if path is None:
+        raise PinpressError("the motion is known in its states alone: give at='states', or a motion of one driver with times")
+    drive, found = path.driver[0], []
+    for angle in angles:
+        wanted = angle
+        if path.closed and drive[-1] != drive[0]:
+            wanted = drive[0] + (angle - drive[0]) % (drive[-1] - drive[0])
+        beyond = drive - wanted
+        before = np.flatnonzero(np.signbit(beyond[:-1]) != np.signbit(beyond[1:]))
+        exact = path.times[beyond == 0.0]
+        if not len(before) and not len(exact):
+            ends = f"{coordinate.shown(drive.min())} to {coordinate.shown(drive.max())}"
+            raise PinpressError(f"the motion does not reach {coordinate.at(angle)}: it goes from {ends}")
+        roots = exact
+        if not len(exact):
+
+            def away(times: Array, wanted: float = wanted) -> tuple[Array, Array]:
+                motion = path.at(times)
+                return motion.crank_angle - wanted, motion.crank_speed
+
+            roots = bracketed_roots(away, path.times[before], path.times[before + 1], absolute=1e-6 * SIDE * path.step)
+        found.append(roots[:1])
+    return in_other_states(reactions, path.at(np.concatenate(found)))
 
 
 # ------------------------------------------------------------------------------------------------------------ the motion between its states

@@ -33,6 +33,7 @@ from ..visual.languages import LANGUAGES
 from .kinds import (
     BEARING,
     BRAKE,
+    CASES,
     CLUTCH,
     CRITERIA,
     FLYWHEEL,
@@ -322,6 +323,16 @@ SECTIONS: Mapping[str, Section] = {
         ),
         "How far the press runs on after a signal, under its brake, and the safety distance by the formula of an edition.",
         "stopping: {delay: 30 ms, control: 10 ms, device: 20 ms, edition: ISO 13855:2010, resolution: 14 mm}",
+        by_keys=True,
+    ),
+    "fe": Section(
+        keys(
+            "{link: rod, at: extremes, mesh: rod.inp, nodes: {P: 1, W: 2}}",
+            {"link": Text(), "at": CASES, "mesh": DataFile(), "nodes": Named(Whole(), "{P: 1, W: 2}")},
+            ("link",),
+        ),
+        "Load cases of a link for a finite element program.",
+        "fe: {link: rod, at: extremes}",
         by_keys=True,
     ),
     "elastic": Section(

@@ -52,6 +52,7 @@ from .sources import OF_PRESS, Change, Source, changed, of_variant, source
 
 if TYPE_CHECKING:
     from ..balancing.result import BalancedPress
+    from ..fe.link_loads import LinkLoads
     from ..foundation.mounted_press import MountedPress
     from ..servo.motion_optimum import MotionOptimum
     from ..servo.sizing import MotorChoice
@@ -448,6 +449,14 @@ class Job(Frozen):
         with self._naming("bearings"):
             return pins(motion_of(self), found)
 
+    def load_cases(self) -> LinkLoads:
+        """The load cases of the link in the section ``fe``, in the motion of the page."""
+        from ..fe.link_loads import load_cases  # seldom needed
+
+        given = self.need("fe")
+        with self._naming("fe"):
+            return load_cases(self.press, motion_of(self), given["link"], given.get("at", "extremes"))
+
     def stopping(self) -> StoppingTimes:
         """The stops under the brake after a signal at any crank angle, with the loads that always act, such as balance cylinders."""
         return self._stopping
@@ -654,6 +663,8 @@ def results_of(job: Job) -> Iterator[Tabular]:
         yield job.rate()
     if pins_of(job.press, job.bearings):
         yield job.pins()
+    if "fe" in has:
+        yield job.load_cases()
     if "stopping" in has:
         yield from stopping_results(job)
     if "motor" in has and not moving and len(job.press.drivers) == 1:

@@ -211,6 +211,20 @@ BEARING = Part(
     {"viscous": Viscous("N m s/rad"), "clearance": CLEARANCE, "joint": JOINT, "rolling": ROLLING},
 )
 
+# ---------------------------------------------------------------------------------------------------------------------- load cases
+
+
+class Cases(Text):
+    """Which load cases: angles, or a text such as "extremes" or "peak W"."""
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """The text, or angles of the first driver."""
+        text = entry.value if isinstance(entry.value, str) else ""
+        return text if text[:1].isalpha() else Numbers("rad").read(entry, around)
+
+
+CASES = Cases()
+
 # ------------------------------------------------------------------------------------------------------------------------------- servo
 
 _FLANK = Text(("down", "up", "both"))

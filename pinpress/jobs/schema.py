@@ -164,6 +164,12 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "supplement": "Z of ISO 13855:2024",
         "two_hand": "whether the device is a two-hand control",
     },
+    "fe": {
+        "link": "whose load cases they are",
+        "at": "extremes, states, peak torque, peak NAME of a bearing, or angles such as 30 60 deg; left out: extremes",
+        "mesh": "input file of CalculiX or Abaqus with the link's mesh in mm, in the link's axes",
+        "nodes": "node of the mesh at which each force acts",
+    },
     "run": {
         "duration": "of the run",
         "steady": "yes: the period that repeats itself, in place of a duration",

@@ -127,6 +127,15 @@ def test_pins_of_a_job_are_those_of_the_library_and_all_says_nothing_to_guides()
         pp.job("crank_slide", speed=5.0).pins()
 
 
+def test_load_cases_of_a_job_are_those_of_the_library(tmp_path: Path) -> None:
+    job = pp.job("crank_slide", speed=5.0, fe={"link": "rod", "at": "30 60 deg"})
+    by_library = pp.fe.load_cases(job.press, job.reactions(), "rod", np.radians([30.0, 60.0]))
+    assert_array_equal(job.load_cases().force["W"], by_library.force["W"])
+    assert [type(each).__name__ for each in results_of(job.with_(**{"fe.at": "peak W"}))] == ["LinkLoads"]
+    with pytest.raises(pp.PinpressError, match="no link 'bar'"):
+        job.with_(**{"fe.link": "bar"}).load_cases()
+
+
 @pytest.mark.exhaustive
 def test_stops_of_a_job_are_those_of_the_library_with_the_loads_that_always_act() -> None:
     stop = {"delay": 0.02, "inertia": 1.0, "control": 0.01, "edition": "ANSI B11.19", "resolution": 0.02}

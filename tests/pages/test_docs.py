@@ -26,6 +26,7 @@ RUN = [
     "commands",
     "elastic_motion",
     "elasticity",
+    "fe",
     "foundation",
     "jobs",
     "lectures",

@@ -499,7 +499,7 @@ def made():
         pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
         *(guided(), guided().surfaces[0], guided().opened[0], campbell(), campbell().resonances[0]),
         *(pp.ratings.rate(press(), SPEED, CAPACITIES, points=9), pp.ratings.speed_limit(press(), CAPACITIES)),
-        *(rated_pins(), *rated_pins().uses.values()),
+        *(rated_pins(), *rated_pins().uses.values(), pp.fe.load_cases(press(), reactions(), "rod")),
         *(stops(), stops().worst, *stops().cases.values(), stops().distance("ANSI B11.19", resolution=0.014)),
         pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
         pp.ratings.eccentric_load(

@@ -1,0 +1,13 @@
+"""Load cases of a link for a finite element program: forces, moments, gravity and inertia in the link's axes, which sum to nothing.
+
+    cases = pp.fe.load_cases(press, reactions, link="rod", at="peak W")
+    print(cases)  # every force, and what is left over
+    cases.to_csv("rod.csv")  # N, mm, t, s
+    cases.write_inp("rod_cases.inp", mesh="rod.inp", nodes={"P": 1, "W": 2})  # CalculiX, Abaqus
+
+Link axes are those of the link's own frame: in a table of pins x points to the second pin, y away from the reader, z left of x.
+"""
+
+from ..common.public_names import public_names
+
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)
