@@ -146,8 +146,8 @@ class Rack:
     """A ``<rack>``: a pinion and a rack, named by their links; a link carries the pinion's axis and guides the rack.
 
     ``radius`` is that of the pinion's pitch circle [m]; 0 where ``module`` [m] and ``teeth`` say it. The pinion lies on the ``side`` of the
-    rack, "left" or "right", seen with the axis of the rack's guide pointing up and the pinion's axis towards the viewer; empty where the
-    drawing says it. ``hand`` is that of the pinion's helix. Angles are in degrees.
+    rack, "left" or "right", seen with the rack's guide pointing up (a horizontal one along its axis) and the pinion's axis towards the
+    viewer; empty where the drawing says it. ``hand`` is that of the pinion's helix. Angles are in degrees.
     """
 
     name: str

@@ -671,8 +671,9 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
     radius = said.radius or 0.5 * said.module * said.teeth / math.cos(helix)
     # The viewer sees x to the right and z up, or what is left of them: the pinion's axis points towards him.
     towards = axis * np.array([1.0, -1.0, 1.0])
-    viewer = axis * np.sign(towards[np.argmax(np.abs(towards))])
-    left = cross(viewer, guide)
+    depth = int(np.argmax(np.abs(towards)))
+    viewer = axis * np.sign(towards[depth])
+    left = cross(viewer, -guide if guide[1 if depth == 2 else 2] < -ALIGNED else guide)  # seen upwards, wherever the guide points
     side = said.side
     if not side:
         points = [drawing.place(said.rack).translation, *(point for pin_ in drawing.pins for point, _, _ in pin_.seen_from(rack))]

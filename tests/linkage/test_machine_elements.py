@@ -305,15 +305,15 @@ def test_losses_rub_by_the_share_of_the_rolling_power(load):
 @pytest.mark.parametrize("axis", [1, -1])
 @pytest.mark.parametrize("up", [1, -1])
 def test_a_rack_rolls_on_its_pinion(load, side, way, outward, axis, up):
-    """Left and right are seen with the guide's axis pointing up on the drawing, x to the right."""
+    """Left and right are those of the drawing, x to the right, whether the guide's axis points up or down."""
     text = ARBOR.replace("0 -1 0", f"0 {-axis} 0").replace('xyz="0 0 1"', f'xyz="0 0 {up}"').replace("radius", f'side="{side}" radius')
     press = load(text.replace('xyz="0.024 0 0"', 'xyz="0 0 0"'))
     mesh = press.meshes["teeth"]
-    assert math.isclose(mesh.ratio, way * axis * 0.024, rel_tol=1e-14)
+    assert math.isclose(mesh.ratio, way * axis * up * 0.024, rel_tol=1e-14)
     assert math.isclose(ratio(press, "O", "guide"), mesh.ratio, rel_tol=1e-12)
-    np.testing.assert_allclose(press.contacts[0].unit.push, [outward * up * math.tan(math.radians(20)), 0, 0], atol=1e-16)
+    np.testing.assert_allclose(press.contacts[0].unit.push, [outward * math.tan(math.radians(20)), 0, 0], atol=1e-16)
     np.testing.assert_allclose(press.contacts[0].unit.force, [0, 0, up], atol=1e-16)
-    np.testing.assert_allclose(mesh.pitch_point, [outward * up * 0.024, 0, 0], atol=1e-16)
+    np.testing.assert_allclose(mesh.pitch_point, [outward * 0.024, 0, 0], atol=1e-16)
 
 
 def test_a_pinion_between_two_racks_doubles_the_stroke(load):
