@@ -203,7 +203,6 @@ def _contact(cam: Cam, k: int, relation: Relation, document: Document, model: pi
         carrier=int(model.parents[turning + 1]),
         unit=UnitWrench(ZERO, ZERO),
         curve=relation.curve,
-        follower=following,
         radius=cam.radius,
         roller_radius=cam.roller_radius,
         roller_width=cam.roller_width,

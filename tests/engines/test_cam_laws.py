@@ -21,7 +21,7 @@ def law(name, height=0.04):
 def cam(law, **geometry):
     """A cam in the x-z plane that turns from x to z; its follower goes up, or has its pivot on x."""
     common = {"name": "cam", "kind": "cam", "relation": 0, "first": 1, "second": 2, "carrier": 0, "unit": UnitWrench(ZERO, ZERO)}
-    common |= {"curve": Curve(0, law), "follower": 1, "sense": 1.0, "roller_radius": 0.02, "roller_width": 0.03, "grooved": False}
+    common |= {"curve": Curve(0, law), "sense": 1.0, "roller_radius": 0.02, "roller_width": 0.03, "grooved": False}
     return CamContact(**common | {"origin": np.array([0.3, 0.1, 0.2]), "axes": np.eye(3)[[0, 2]]} | geometry)
 
 
@@ -169,6 +169,11 @@ POINTS = law("3-4-5").points
         ((POINTS[0], CamPoint(1.0, 0.01), CamPoint(2.0, 0.03), CamPoint(4.0, 0.0, "sine")), False, "speed jumps at 0 deg: 0 to 0.01 m/rad"),
         ((*POINTS[:3], POINTS[3]._replace(slope=0.0)), True, "some rows of its table have slopes and bends"),
         ((CamPoint(0.0, 0.0), CamPoint(3.0, 0.1), CamPoint(2 * np.pi, 0.2)), True, "not closed"),
+        (
+            (CamPoint(0.0, 0.0, "", 0.1, 0.0), CamPoint(3.0, 0.1, "", 0.0, 0.0), CamPoint(2 * np.pi, 0.0, "", 0.2, 0.0)),
+            True,
+            "its last row, a turn after the first one, has another slope or bend",
+        ),
     ],
 )
 def test_refused_laws(points, tabulated, problem):

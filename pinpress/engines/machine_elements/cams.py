@@ -154,7 +154,15 @@ def law_problem(points: Sequence[CamPoint], tabulated: bool, unit: str) -> tuple
     if (whole or not tabulated) and abs(last.lift - first.lift) > SAME * rise:
         problem = f"its law is not closed: the lift is {last.lift:g} {unit} at {np.degrees(last.angle):g} deg, and {first.lift:g} {unit}"
         return f"{problem} where the next turn begins", "add the piece that leads back"
+    if whole and tabulated and first.slope is not None and not _goes_on(points):
+        return "its last row, a turn after the first one, has another slope or bend", "write the same, or leave the last row out"
     return None if tabulated else _speed_problem(points, unit)
+
+
+def _goes_on(points: Sequence[CamPoint]) -> bool:
+    """Whether slopes and bends of the last row of a table are those of the first one."""
+    derivatives = np.array([(point.slope, point.bend) for point in points], dtype=float)
+    return bool(np.all(np.abs(derivatives[-1] - derivatives[0]) <= SAME * np.abs(derivatives).max(axis=0)))
 
 
 def _speed_problem(points: Sequence[CamPoint], unit: str) -> tuple[str, str] | None:
@@ -208,7 +216,6 @@ class CamContact(Contact):
 
     Attributes:
         curve: coordinate of the follower by that of the cam, which is the lift times ``sense``.
-        follower: index of the follower's joint in v.
         sense: 1, or -1 where the follower's coordinate falls as the roller goes away from the cam.
         radius: distance of the roller's centre from the axis of the cam at the lift 0 [m].
         offset: of the way of a follower in a guide from the axis of the cam, along the real axis [m].
@@ -216,14 +223,13 @@ class CamContact(Contact):
         distance: from the axis of the cam to the pivot [m].
         turning: 1 if the arm turns in the sense of positive angles of the cam as the roller goes away from it, -1 if against it.
         roller_radius: [m].
-        roller_width: length of the line of contact [m]; 0 if it is not known.
+        roller_width: length of the line of contact [m].
         grooved: whether the roller is in a groove, which can also pull it.
         origin: (3,) point on the axis of the cam in the plane of the roller, in the carrier's joint frame [m].
         axes: (2, 3) real and imaginary axis of the plane, in the carrier's joint frame.
     """
 
     curve: Curve
-    follower: int
     sense: float
     radius: float
     offset: float = 0.0
