@@ -3,8 +3,6 @@
 Bounds are 1e-12 of the peaks: the same equations are solved from sums taken in another order, and rounding is conditioned as they are.
 """
 
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -275,37 +273,6 @@ def test_another_linkage_is_refused(six_bar, turn, engine):
     longer = replace(six_bar, model=model)
     with pytest.raises(pp.AssemblyError):
         pp.inverse_dynamics(longer, turn, engine=engine, bearings=())
-
-
-@pytest.mark.exhaustive
-def test_what_is_imported_for_one_turn_and_for_runs():
-    """Neither solvers, nor drawing, nor what simulates, is imported before it is asked for; runs over the angle and ratings take no SciPy,
-    whose import takes several times as long."""
-    code = """
-import sys
-import pinpress as pp
-press = pp.load("zxn2_3000b")
-motion = pp.cycle(press, speed=7.0)
-spring = pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0, 0, 2))
-pp.inverse_dynamics(press, motion, [spring], {"A": pp.loads.Friction(0.1, 0.1)}).shaking_force
-print(*sys.modules)
-motor = pp.drives.Geared(pp.drives.InductionMotor(75e3, 980 * pp.RPM, frequency=50.0, poles=6), 14.0)
-given = dict(drive=motor, flywheel=pp.drives.Flywheel(2000.0), loads=[pp.loads.Blanking(1e6, 0.006, 0.003)])
-run = pp.simulate(press, 2.0, speed=7.0, **given)
-pp.measures.duty_cycle(run).utilisation, pp.measures.motor_energy(run)
-pp.simulate_batch(press, 0.5, speed=[6.0, 7.0], **given)
-pp.steady_state(press, 7.0, **given)
-pp.ratings.rate(press, 7.0, pp.ratings.Capacities(3000e3, nominal_height=0.013, bearings={"A": 1.5e6}))
-pp.sweeps.operating_points(press, speeds=[5.0, 6.0], forces=[1e5, 1e6], unit_load=pp.loads.ConstantForce(1.0, 0.01))
-print(*sys.modules)
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    before, after = (set(line.split()) for line in done.stdout.splitlines())
-    unwanted = "scipy meshcat matplotlib plotly pandas trimesh PIL yourdfpy playwright imageio_ffmpeg"
-    assert {name.split(".")[0] for name in before} & set(unwanted.split()) == set()
-    assert not {name for name in before if name.startswith(("pinpress.simulation", "pinpress.visual", "pinpress.drives"))}
-    assert "pinpress.simulation.simulate" in after
-    assert "scipy" not in {name.split(".")[0] for name in after}
 
 
 def test_a_guide_holds_the_moments_of_links_that_hang_on_its_slide():
