@@ -3,7 +3,9 @@
 import inspect
 import random
 import re
+from functools import cache
 
+import numpy as np
 import pytest
 from support import every_result
 from support.generators import hostile_arguments
@@ -128,6 +130,54 @@ def test_valid_arguments_are_taken(name):
     except pp.PinpressError as error:
         refusal = str(error)
     assert not refusal or re.search("cannot be read|cannot write|there is no file", refusal), refusal
+
+
+# What NumPy would take for numbers without a word.
+NO_NUMBERS = ("complex", "masked", "dates", "span", "truths", "texts", "number as text", "True", "ragged")
+# Arguments that are texts with a unit too, that are looked at where they are used, or of no use beside the others.
+LATER = {"density", "centre", "crown_mass", "Rod.stiffness", "Stiffness.frame", "counts", "motor_constant"}
+
+
+def is_number(value):
+    if isinstance(value, list | tuple):
+        return bool(value) and all(map(is_number, value))
+    return not isinstance(value, bool) and (isinstance(value, int | float) or getattr(value, "dtype", np.dtype(bool)).kind in "fi")
+
+
+@cache
+def numbers():
+    """Name of a call, argument that is a number or an array of them, and what it has to refuse."""
+    return [
+        (name, argument, odd)
+        for name in calls()
+        if not name.startswith((*SLOW, "view"))
+        for argument, value in arguments(name).items()
+        if is_number(value) and not {argument, f"{name.rpartition('.')[2]}.{argument}"} & LATER
+        for odd in NO_NUMBERS
+    ]
+
+
+def taken_for_numbers(cases):
+    taken = []
+    for name, argument, odd in cases:
+        try:
+            calls()[name][0](**arguments(name) | {argument: hostile_arguments.ODD[odd]})
+        except pp.PinpressError:
+            continue
+        taken.append((name, argument, odd))
+    return taken
+
+
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_what_is_no_number_is_refused_where_one_is_wanted():
+    assert len(numbers()) > 4000
+    assert taken_for_numbers(random.Random(5).sample(numbers(), 100)) == []
+
+
+@pytest.mark.exhaustive
+@pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
+def test_what_is_no_number_is_refused_everywhere():
+    assert taken_for_numbers(numbers()) == []
 
 
 class Unwritten:
