@@ -87,6 +87,12 @@ def test_lift_off_with_a_load_that_grows_with_the_speed():
     assert abs(again.least_force[0]) < 1e-6 * again.largest_force[0]
 
 
+def test_slow_motions_find_the_same_speed():
+    press = cams.press("ejector")
+    found = [pp.measures.cam(press, pp.inverse_dynamics(press, pp.cycle(press, w, points=36)), "eject").lift_off_speed for w in (1e-3, 5.0)]
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
 def test_what_no_speed_lifts_off():
     press, holder = ejector("3-4-5"), cams.press("drawing_press")
     with pytest.warns(pp.PinpressWarning, match=LEAVES):
@@ -155,6 +161,7 @@ def test_hertz():
     np.testing.assert_allclose(found.pressure, 638.81890835e6, rtol=1e-11)
     np.testing.assert_allclose(found.surface_radius, 0.06, rtol=1e-12)
     assert found.least_radius[0] == pytest.approx(0.06, rel=1e-12)
+    assert found.lift_off_speed is None  # without a lift no speed does it
 
 
 def test_hertz_in_a_groove():
