@@ -257,9 +257,9 @@ def _doubt_second_strokes(trajectory: Trajectory) -> None:
 
 
 def _tell_of_standstill(run: Run, since: float) -> None:
-    """Warn of a press that stands from a time [s] to the end, unless it has run down by friction without a drive."""
+    """Warn of a press that stands from a time [s] to the end, unless it has run down by friction, or struck, without a drive."""
     driven = run.problem.driven
-    if driven.friction is not None and driven.drive is None:
+    if driven.drive is None and (driven.friction is not None or driven.press.advancing.any()):
         return
     what = "load" if driven.friction is None else "friction" if not driven.forces else "friction and load"
     place = run.driver_coordinates[0].at(run.crank_angle[-1])

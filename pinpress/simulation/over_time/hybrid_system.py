@@ -342,7 +342,7 @@ class HybridSystem:
         """The mode with every force in its interval; at rest that of the direction in which the crank starts, or in which it rests.
 
         Raises:
-            SimulationError: loads alone hold the press in both directions, and nothing that depends on time can change that.
+            SimulationError: loads alone hold a crank in both directions, and nothing that depends on time can change that.
         """
         n, driven = self.dynamics.size, self.driven
         position, speed = y[:n], y[n : 2 * n]
@@ -362,7 +362,8 @@ class HybridSystem:
             a is not None and b is not None and a.interval is not b.interval for a, b in zip(forward.forces, back.forces, strict=True)
         )
         may_start_later = self.varies or driven.clutch is not None or driven.brake is not None
-        if loads_hold and driven.friction is None and not may_start_later:
+        strikes = driven.press.advancing.any()  # the slide of a screw or rack comes to rest in every blow
+        if loads_hold and driven.friction is None and not (may_start_later or strikes):
             raise failure("stalls", time, linkage.angle)
         return mode._replace(way=0, sides=self._sides_of_crank(mode, 0))
 

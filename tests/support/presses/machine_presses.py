@@ -73,15 +73,21 @@ LEAD = 0.2
 @cache
 def spindle(friction=0.0, lead=LEAD):
     """A screw press: a flywheel on a spindle whose nut is the slide, which falls where the flywheel turns positively."""
+    return jack(450.0, lead, 0.3, friction)
+
+
+@cache
+def jack(mass, lead, diameter, friction):
+    """A screw that lowers a slide of this mass where it turns positively."""
     return pp.build(
         units="mm",
         frame="S",
         pins={"S": {"x": 0, "y": 0, "z": 0, "axis": "z"}, "N": {"x": 0, "y": 0, "z": -500, "axis": "z"}},
         links={
             "flywheel": {"pins": "S", "mass": 300, "com": "S", "inertia": [15, 15, 25]},
-            "slide": {"pins": "N", "guide": "up", "mass": 450},
+            "slide": {"pins": "N", "guide": "up", "mass": mass},
         },
-        screws={"thread": {"screw": "flywheel", "nut": "slide", "lead": 1e3 * lead, "diameter": 300, "friction": friction}},
+        screws={"thread": {"screw": "flywheel", "nut": "slide", "lead": 1e3 * lead, "diameter": 1e3 * diameter, "friction": friction}},
         drive="S",
         press="spindle",
     )
