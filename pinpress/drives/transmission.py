@@ -110,8 +110,8 @@ class Geared(Checked):
     def corners(self) -> tuple[Values | Corner, ...]:
         """The corners of the drive; with losses also the speeds at which its power changes sign: standstill, where the torque jumps, and
         the synchronous speed of an induction motor. (A drive without `reversals` should name them among its own corners.)"""
-        if self.timed:
-            return ()
+        if self.timed:  # where its power changes sign beside standstill depends on the time
+            return (0.0,) if self.efficiency < 1 else ()
         lossy = (0.0, *self.reversals) if self.efficiency < 1 else ()
         slow = ((speed / self.ratio, jump) for speed, jump in corners_of(self.drive))
         return (*(Corner(speed, jump) if jump else speed for speed, jump in slow), *lossy)

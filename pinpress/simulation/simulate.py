@@ -309,12 +309,15 @@ def _driven(
     friction: Mapping[str, Friction],
 ) -> DrivenPress:
     """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers or friction."""
-    if friction_law(friction, press) is not None and (method == "constraint" or len(press.drivers) > 1):
-        press.refuse_several_drivers("their runs know no friction and losses; leave them out, inverse_dynamics has them in a given motion")
-        raise PinpressError(
-            "method='constraint' knows no friction in bearings, teeth and threads: it needs their forces, which the reduced equation of one"
-            " driver has; leave friction and losses out, or let one driver turn with method='auto'"
-        )
+    if method == "constraint" or len(press.drivers) > 1:
+        if press.loses_power:
+            press.refuse_contacts("their losses need one driver and method 'auto' or 'implicit'; leave efficiency and friction out of them")
+        if friction_law(friction, press) is not None:
+            press.refuse_several_drivers("their runs know no friction in bearings; leave it out, inverse_dynamics has it in a given motion")
+            raise PinpressError(
+                "method='constraint' knows no friction in bearings: it needs the forces of the bearings, which the reduced equation of one"
+                " driver has; leave friction out, or let one driver turn with method='auto'"
+            )
     if len(press.drivers) > 1 and method != "constraint":
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
     return driven_press(press, drive, flywheel, loads, clutch, brake, friction)

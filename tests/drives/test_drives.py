@@ -71,7 +71,7 @@ def test_every_drive_is_one(drive):
     at = itertools.product((0.01, 0.5), (0.0, 0.5), [tuple(c for _ in drive.state) for c in (0.3, 0.6)])
     assert drive.timed == (len({drive.torque(0.1, *depends) for depends in at}) > 1)  # on angle, time or state
     assert len(drive.rates(1.0, 0.0, 0.0, drive.state)) == len(drive.state)
-    assert not (drive.timed and drive.corners)
+    assert not (drive.timed and set(drive.corners) - {0.0})  # where losses of gears jump
 
 
 def test_what_has_no_torque_is_no_drive():

@@ -1,7 +1,5 @@
 """Every feature that takes a press takes one with teeth and threads, or refuses it by name: no force of teeth is left out in silence."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from support.presses import machine_presses
@@ -141,6 +139,7 @@ FORCES = {
     "synthesis": synthesised,
 }
 LOSSES = {
+    "run of all joints": lambda press: pp.simulate(press, 0.1, speed=1.0, method="constraint"),
     "servo motion": lambda press: pp.servo.best_motion(press, SERVO, time=1.0, path=pp.servo.Turn()),
     "balancing of the torque": lambda press: balanced(press, pp.balancing.Range("driving_torque")),
     "derivatives of accelerations": lambda press: pp.derivatives.acceleration_derivatives(press, pp.cycle(press, 5.0, points=3)),
@@ -159,9 +158,3 @@ def test_what_lets_forces_of_bearings_add_up_refuses_teeth(press, name):
 def test_what_lets_torques_add_up_refuses_losses(press, lossy, name):
     with pytest.raises(pp.PinpressError, match=REFUSED):
         LOSSES[name](lossy)
-
-
-def test_the_method_constraint_knows_no_losses(lossy):
-    run = partial(pp.simulate, lossy, 0.1, speed=1.0)
-    with pytest.raises(pp.PinpressError, match="knows no friction in bearings, teeth and threads"):
-        run(method="constraint")

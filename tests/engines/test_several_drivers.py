@@ -177,7 +177,7 @@ def test_a_program_that_stands_still_where_the_run_moves_is_doubted():
         ({"drive": {"left-roll-op": SLIPPING}}, "drive of 'left-roll-op' has states of its own"),
         ({"speed": [1.0, 2.0]}, "one of each of the 12 drivers"),
         ({"brake": pp.drives.Brake(5.0)}, "clutch and brake are for one"),
-        ({"friction": {"left-roll-op": pp.loads.Friction(viscous=1.0)}}, "their runs know no friction and losses; leave them out"),
+        ({"friction": {"left-roll-op": pp.loads.Friction(viscous=1.0)}}, "their runs know no friction in bearings; leave it out"),
     ],
 )
 def test_arguments_that_several_drivers_do_not_have_are_refused(legs, arguments, message):

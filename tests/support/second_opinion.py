@@ -69,8 +69,8 @@ def of_run(scene: Scene) -> Verdict:
 
 def _of_run(scene: Scene, tolerance: float) -> tuple[str, str]:
     methods = {"auto": {}, "implicit": {"tolerance": tolerance}, "constraint": {"tolerance": tolerance}}
-    if "friction" in scene.given or scene.press.loses_power:
-        del methods["constraint"]  # which knows no friction
+    if "friction" in scene.given or scene.press.loses_power or scene.press.structure.curves:
+        del methods["constraint"]  # which knows neither friction nor cams
     runs, refusals, doubted = {}, {}, False
     for method, options in methods.items():
         if any("the linkage locks" in said or "where its limits are" in said for said in refusals.values()):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import yaml
-from support import texts
+from support import cams, texts
 from support.generators import random_linkages, same_linkage, spatial_crank_slide
 from support.presses import sliding_presses
 
@@ -216,7 +216,12 @@ def lever_gear(random: Random) -> tuple[str, Any]:
     return "lever_gear", texts.load(drawing.urdf("A1"), slide="slide")
 
 
-MACHINES = (threaded, planetary, lever_gear)
+def cam_driven(random: Random) -> tuple[str, Any]:
+    name = str(random.choice(list(cams.TABLES)))
+    return name, cams.press(name)
+
+
+MACHINES = (threaded, planetary, lever_gear, cam_driven)
 """Presses with machine elements."""
 PRESSES = {shipped: 6, of_template: 4, crank_slide: 5, four_bar: 3, random_linkage: 2, in_space: 1, sliding_driver: 1, screw_or_rack: 1}
 """How often each is drawn."""
