@@ -484,7 +484,7 @@ def test_corners_behind_gears():
     assert corner_speeds(Geared(KONG, 20.0, efficiency=0.9)) == pytest.approx([0.0, 75 * RPM])
     fast = corner_speeds(CONVERTED)
     assert corner_speeds(Geared(CONVERTED, -10.0)) == pytest.approx([-fast[1] / 10, -fast[0] / 10])
-    assert Geared(LAGGING, 3.0, efficiency=0.9).corners == ()
+    assert Geared(LAGGING, 3.0, efficiency=0.9).corners == (0.0,)
 
 
 def test_angle_time_and_state_go_through_gears():
