@@ -260,7 +260,8 @@ def _geometry(cam: Cam, document: Document, model: pin.Model) -> _Geometry:
     if cam.center is not None:
         frame = model.frames[model.getFrameId(cam.follower, pin.BODY)]
         roller = of_follower.act(frame.placement.act(np.array(cam.center)))
-        origin = origin + normal * (normal @ (roller - origin))
+    # a camshaft may be long: the roller is in the plane of its follower
+    origin = origin + normal * (normal @ ((of_follower.translation if roller is None else roller) - origin))
     if not turns:
         sense = 1.0 if roller is None else float(np.copysign(1.0, (roller - origin) @ way))
         across = np.cross(sense * way, normal)

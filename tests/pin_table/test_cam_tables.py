@@ -84,6 +84,23 @@ def test_refused(changes, message):
         pp.build(**table(**changes))
 
 
+def test_copies_have_their_rollers_in_front_and_behind():
+    """Two ejectors on one camshaft: each guide is loaded in its own plane, and together they bend the shaft in none."""
+    copied = table() | {"copies": [{"links": "ejector", "y": [-100, 100], "names": "_front _back"}]}
+    press = pp.build(**copied, slide="ejector_front")
+    motion = pp.cycle(press, 5.0, points=12)
+    reactions, one = (
+        pp.inverse_dynamics(press, motion),
+        pp.inverse_dynamics(cams.press("ejector"), pp.cycle(cams.press("ejector"), 5.0, points=12)),
+    )
+    for name, y in (("_front", -0.1), ("_back", 0.1)):
+        np.testing.assert_allclose(reactions.bearing_force[f"eject{name}"], one.bearing_force["eject"], atol=1e-9)
+        np.testing.assert_allclose(reactions.bearing_moment[f"ejector_guide{name}"], one.bearing_moment["ejector_guide"], atol=1e-9)
+        contact = next(each for each in press.contacts if each.name == f"eject{name}")
+        assert contact.origin[1] == pytest.approx(y, abs=1e-15)
+    np.testing.assert_allclose(reactions.bearing_moment["O"][:, [0, 2]], 0.0, atol=1e-9)
+
+
 def test_refused_copies():
     mirrored = table() | {"copies": [{"links": "ejector", "mirror": "x", "names": "_l _r"}]}
     with pytest.raises(pp.PinTableError, match="a mirror image of it would turn the other way"):
