@@ -27,7 +27,7 @@ from .structure import SMALLEST_MARGIN
 
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # by which Newton's method may move a joint from its prediction [rad, or lengths of the linkage]
-MOST_TURNS = 16  # the walk ends after this many turns of the crank if the linkage is not back at its start
+MOST_TURNS = 128  # most turns of the crank that are walked until the linkage is back at its start: a pinion on a wheel of many teeth
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -19,7 +19,7 @@ from ..engines.planar.chain import Chain, find_chain, states_along
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.structure import Structure
-from ..linkage.assembly import MANY_PERIODS, close_on_branch, follow_drivers, refuse_far
+from ..linkage.assembly import MANY_TURNS, close_on_branch, follow_drivers, refuse_far
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .motion import Motion, SharedByMotions, closed_motion, shared_by_motions
@@ -235,7 +235,7 @@ def _along_branch(
 
 def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
     """Whether a chain of dyads closes at these angles."""
-    far = MANY_PERIODS * (branch.period or 0.0)
+    far = MANY_TURNS * 2 * np.pi
     low, high = (chain.low, chain.high) if branch.period is None else (-far, far)
     return bool(low <= np.minimum.reduce(angles) and np.maximum.reduce(angles) <= high)
 

@@ -31,7 +31,7 @@ from ..engines.spatial.engine import SpatialEngine
 from ..engines.structure import ZERO, Structure
 
 AS_DRAWN = "as drawn"
-MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
+MANY_TURNS = 256  # of the crank, more than in a period: beyond them the rounding of angles is seen in the gaps of loops and gears
 FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
 
@@ -285,7 +285,7 @@ def close_on_branch(engine: Engine, structure: Structure, branch: Branch, angles
     if branch.period is None and not branch.angles[0] <= ends[0] <= ends[1] <= branch.angles[-1]:
         further = walk_through_change_points(engine, structure, branch)
         raise out_of_branch(branch, bool(ends[1] > branch.angles[-1]), further)
-    if branch.period is not None and max(-ends[0], ends[1]) > MANY_PERIODS * branch.period:
+    if branch.period is not None and max(-ends[0], ends[1]) > MANY_TURNS * 2 * np.pi:
         return _close_far_away(engine, structure, branch, angles, name)
     if len(angles) <= engine.piece:
         return _close_piece(engine, structure, angles, predict(branch, angles, ends), name)
@@ -475,15 +475,16 @@ def _close_piece(engine: Engine, structure: Structure, angles: Array, guess: Arr
 
 
 def _close_far_away(engine: Engine, structure: Structure, branch: Branch, angles: Array, name: str) -> Closure:
-    """Closed configurations many periods away. They are closed within one period, because the rounding of large angles would open the
+    """Closed configurations many turns away. They are closed within one period, because the rounding of large angles would open the
     loops, and then moved by whole periods."""
     assert branch.period is not None
     turns = np.floor(angles / branch.period)
     closure = close_on_branch(engine, structure, branch, angles - turns * branch.period, name)
     position = closure.position + branch.gain_per_period[:, None] * turns
     position[structure.drivers[0]] = angles
-    if any(gain and not axis.turns for gain, axis in zip(branch.gain_per_period, structure.axes, strict=True)):
-        return replace(closure, position=position, basis=None, solved=None)  # these are of where its slides were
+    gains = zip(branch.gain_per_period / (2 * np.pi), structure.axes, strict=True)
+    if any(gain and (not axis.turns or abs(gain - np.round(gain)) > 1e-9) for gain, axis in gains):
+        return replace(closure, position=position, basis=None, solved=None)  # these are of where its slides and geared shafts were
     return replace(closure, position=position)
 
 

@@ -163,7 +163,8 @@ def _gains(press: Linkage, coordinates: Sequence[LengthOfMotion], start: float, 
     first, second = (sample_rows(press, angles + moved, coordinates) for moved in (0.0, period))
     gains: Array = (second - first).mean(axis=1)
     gains[np.abs(gains) <= rounding * np.abs(first).max(axis=1)] = 0.0
-    for periods in (1, -1000, 1000):  # far off the length of a spring is linear, but on one side alone
+    far = math.ceil(2 * np.pi * 1000 / period)
+    for periods in (1, -far, far):  # far off the length of a spring is linear, but on one side alone
         later = sample_rows(press, angles + periods * period, coordinates)
         size = np.maximum(np.abs(first), np.abs(later)).max(axis=1, keepdims=True)
         if gains[INERTIA] or gains[WEIGHT] or (np.abs(later - first - periods * gains[:, None]) > rounding * size).any():

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from support import texts
 from support.generators import period_presses
+from support.generators.machine_elements import GEARED, LEVER_GEAR
 from support.generators.period_presses import TURNS
+from support.generators.pin_tables import crank_slide
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
@@ -355,3 +357,37 @@ def test_elasticity(press):
     shift = dead_centre_shift(press, stiffness, speed=[SPEED])
     assert abs(shift.rigid_position - positions.min()) < 1e-6
     assert abs(shift.position[0] - shift.rigid_position) < 1e-3
+
+
+# --------------------------------------------------------------------------------------------------------------------- many turns away
+
+
+@pytest.mark.parametrize("turns", [2, 30, 2001, 100_001])
+def test_an_unbalanced_shaft_far_away_stands_where_its_gears_have_turned_it(turns):
+    """A shaft on no loop, which is back only after two turns of the crank."""
+    table = crank_slide(frame="O Q") | {"gears": {"Q": "-1.5 * O"}}
+    table["pins"] |= {"Q": [-600, 0]}
+    table["links"] |= {"balancer": {"pins": "Q", "mass": 50, "com": [100, 0], "inertia": 0.1}}
+    press = pp.build(**table)
+    near, far = (
+        pp.inverse_dynamics(press, pp.servo_cycle(press, [2 * np.pi * at + 0.3], speed=1.0, acceleration=0.0)) for at in (turns % 2, turns)
+    )
+    np.testing.assert_allclose(far.driving_torque, near.driving_torque, rtol=1e-7)
+    np.testing.assert_allclose(far.bearing_force["Q"], near.bearing_force["Q"], rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("turns", [200, 3000, 8000])
+def test_the_planet_of_a_lever_gear_meshes_far_away(turns):
+    """Gears on a crank that are back after eight turns of the driver."""
+    press = pp.build(**LEVER_GEAR | {"meshes": {"teeth": {"gears": "rod ring", "teeth": "21 35"}}})
+    near, far = (pp.servo_cycle(press, [2 * np.pi * at + 0.3], speed=1.0, acceleration=0.0) for at in (0, turns))
+    assert press.period_turns == 8
+    np.testing.assert_allclose(far.slide_position, near.slide_position, rtol=0, atol=1e-9)
+
+
+def test_a_wheel_of_prime_teeth_is_back_after_as_many_turns_of_its_pinion():
+    press = pp.build(**GEARED | {"meshes": {"teeth": {"gears": "pinion crank", "teeth": "19 97"}}})
+    assert press.period_turns == 97
+    motion = pp.cycle(press, speed=-SPEED, points=72 * 97)
+    alone = pp.cycle(pp.load("crank_slide"), speed=SPEED * 19 / 97, points=72 * 97)
+    np.testing.assert_allclose(motion.slide_position[::19], alone.slide_position[np.arange(0, 72 * 97, 19) * 19 % (72 * 97)], atol=1e-11)
