@@ -13,7 +13,7 @@ from ..common.quantities import Array
 from .formulas import Numbers
 from .links import Link, axes_along
 from .machine_elements import MachineElement, copies_of
-from .placement import AXES, Pin
+from .placement import ALIKE, AXES, Pin
 from .reading import Entry
 
 KEYS = ("links", "x", "y", "z", "mirror", "names", "gear", "note")
@@ -86,10 +86,11 @@ def copied(parts: Parts, entry: Entry, numbers: Numbers) -> Parts:
     if "gear" in items:
         gears |= _geared(items["gear"], copied_bearings, suffixes, -1.0 if mirrored else 1.0)
     drivers = tuple(f"{name}{suffixes[0]}" if name in copied_bearings else name for name in parts.drivers)
-    # A mirror image in the picture has its racks on the other side; any mirror image has threads and helices of the other hand.
-    images = [(suffix, bool(np.linalg.det(move.turn) < 0), bool(np.linalg.det(move.turn[::2, ::2]) < 0)) for move, suffix in copies]
-    elements = tuple(copy for each in parts.elements for copy in copies_of(each, named, pins_copied, images))
-    return Parts(pins, tuple(links), all_of(parts.frame), drivers, gears, elements)
+    elements: list[MachineElement] = []
+    for each in parts.elements:
+        images = [(suffix, bool(np.linalg.det(move.turn) < 0), _swaps_sides(each, parts, move.turn)) for move, suffix in copies]
+        elements += copies_of(each, named, pins_copied, images)
+    return Parts(pins, tuple(links), all_of(parts.frame), drivers, gears, tuple(elements))
 
 
 class _Move(NamedTuple):
@@ -100,6 +101,18 @@ class _Move(NamedTuple):
 
     def __call__(self, point: Array) -> Array:
         return self.turn @ point + self.shift
+
+
+def _swaps_sides(element: MachineElement, parts: Parts, turn: Array) -> bool:
+    """Whether the pinion of a mirror image is on the other side of its rack, seen along the pinion's axis with the guide upwards."""
+    links = {link.name: link for link in parts.links}
+    guides = [link.guide for link in map(links.get, element.bodies) if link is not None and link.guide is not None]
+    if element.section != "racks" or not guides or np.array_equal(turn, np.eye(3)):
+        return False
+    mirrored, axes = int(np.argmin(np.diag(turn))), [parts.pins[name].axis for name in links[element.bodies[0]].pins]
+    depth = next((int(np.argmax(np.abs(axis))) for axis in axes if axis is not None), 1)
+    up = 1 if depth == 2 else 2
+    return mirrored != depth and not (mirrored == up and abs(guides[0].direction[up]) > ALIKE)
 
 
 def _copy(link: Link, named: Sequence[str], move: _Move, suffix: str) -> Link:

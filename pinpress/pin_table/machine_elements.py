@@ -272,18 +272,18 @@ def copies_of(
         element: of the table.
         named: names of the links that are copied.
         pins: names of the pins that are copied.
-        copies: of every copy what is added to the names, whether it is a mirror image, and whether that is one in the picture.
+        copies: of every copy what is added to the names, whether it is a mirror image, and whether racks change sides in it.
     """
     if {*named}.isdisjoint(element.links.values()) and pins.isdisjoint(element.centres.values()):
         yield element
         return
-    for suffix, mirrored, in_picture in copies:
+    for suffix, mirrored, swapped in copies:
         if mirrored and element.section == "cams":
             element.entry.refuse(
                 "a mirror image of it would turn the other way", "write the cam and the follower of the image in the table"
             )
         values = dict(element.values)
-        for key, words, changes in (("hand", HANDS, mirrored), ("side", SIDES, in_picture)):
+        for key, words, changes in (("hand", HANDS, mirrored), ("side", SIDES, swapped)):
             if changes and key in values:
                 values[key] = words[1 - words.index(str(values[key]))]
         links = {key: link + suffix if link in named else link for key, link in element.links.items()}

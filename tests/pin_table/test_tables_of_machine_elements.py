@@ -79,9 +79,16 @@ def test_copies_mesh_as_their_links_do():
         ("pinion_l", "left", "0 0 0"),
         ("pinion_r", "right", "0 0 0"),
     ]
-    for axis, sides in (("x", ["left", "right"]), ("y", ["left", "left"]), ("z", ["left", "right"])):
+    for axis, way, other in (
+        ("x", "up", "right"),
+        ("y", "up", "left"),
+        ("z", "up", "left"),
+        ("x", "right", "right"),
+        ("z", "right", "right"),
+    ):
         copies = [{"links": "pinion slide", "mirror": axis, "names": "_1 _2", "gear": "O"}]
-        assert [each["side"] for each in elements(ARBOR | {"copies": copies})] == sides
+        table = ARBOR | {"links": ARBOR["links"] | {"slide": {"pins": "W", "guide": way, "mass": 5}}, "copies": copies}
+        assert [each["side"] for each in elements(table)] == ["left", other]
 
 
 REFUSED = [
@@ -285,17 +292,25 @@ def test_forces_of_a_worm(way, worm, torque):
 
 
 @pytest.mark.parametrize("turns", ["clockwise", "counter-clockwise"])
-def test_mirrored_racks_push_as_mirror_images(turns):
+@pytest.mark.parametrize("mirror", ["x", "z"])
+@pytest.mark.parametrize("guide", ["up", "down", "right", 30])
+def test_mirrored_racks_push_as_mirror_images(turns, mirror, guide):
     """Two pinions that gears turn against each other, each on the outer side of its slide."""
-    table = ARBOR | {"pins": {"O": [-124, 0], "W": [-100, 0]}, "turns": turns}
-    table |= {"copies": [{"links": "pinion slide", "mirror": "x", "names": "_1 _2", "gear": "O"}]}
-    press = pp.build(**table, slide="slide_1")
+    table = ARBOR | {"pins": {"O": [-124, 100], "W": [-100, 150]}, "turns": turns}
+    table |= {"links": ARBOR["links"] | {"slide": {"pins": "W", "guide": guide, "mass": 5}}}
+    table |= {"copies": [{"links": "pinion slide", "mirror": mirror, "names": "_1 _2", "gear": "O"}]}
+    press = pp.build(**table, slide="slide_1", gravity=(0, 0, 0))
     sense = 1.0 if turns == "clockwise" else -1.0
     motion = pp.servo_cycle(press, np.array([0.0, 0.2]) * sense, speed=sense, acceleration=0.0)
-    assert np.ptp(motion.joint_position[:, press.joints.index("slide_guide_2")]) == pytest.approx(0.2 * 24e-3, rel=1e-12)
-    forces = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce(f"slide_{k}", (0, 0, 1e4)) for k in (1, 2)]).bearing_force
-    np.testing.assert_allclose(forces["rack_2"], forces["rack_1"] * (-1, 1, 1), rtol=0, atol=1e-9)
-    assert forces["rack_1"][-1] == pytest.approx((3621.8496026713, 0, -9950.95), rel=1e-12)
+    one, two = (motion.joint_position[:, press.joints.index(f"slide_guide_{k}")] for k in (1, 2))
+    np.testing.assert_allclose(two, one, rtol=0, atol=1e-15)
+    assert np.ptp(one) == pytest.approx(0.2 * 24e-3, rel=1e-12)
+    sign = (-1, 1, 1) if mirror == "x" else (1, 1, -1)
+    loads = [pp.loads.PointForce(f"slide_{k}", tuple(way * np.array([5e3, 0, 1e4]))) for k, way in ((1, np.ones(3)), (2, np.array(sign)))]
+    forces = pp.inverse_dynamics(press, motion, loads=loads).bearing_force
+    np.testing.assert_allclose(forces["rack_2"], forces["rack_1"] * sign, rtol=0, atol=1e-9)
+    if guide == "up":
+        assert forces["rack_1"][-1] == pytest.approx((1e4 * np.tan(np.radians(20)), 0, -1e4), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", MESHING)
