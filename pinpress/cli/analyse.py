@@ -28,7 +28,7 @@ from ..ratings.pin_use import PinRatings
 from ..ratings.rating import PressRatings
 from ..simulation.described import run as sections_of
 from ..visual.recording import traced
-from .options import SHORT, SIGNS, add_job_options, open_job, print_inputs, say_written, write_pictures, write_report
+from .options import SHORT, SIGNS, add_job_options, open_job, print_inputs, say_written, write_cam_tables, write_pictures, write_report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
@@ -45,8 +45,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "which the press repeats itself), or move one or several drivers by the table of motion. Prints slide, torque and forces; with\n"
         "capacities the permissible force; with sizes of bearings their pressure and life; with stopping the stops under the brake; with\n"
         "a flywheel its drop of speed; with a motor the steady state. With --out also writes cycle.csv (every quantity in every state),\n"
-        "ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp, stopping.csv, and the pages recording.html and\n"
-        "report.html.",
+        "ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp, stopping.csv, cam_height.txt and cam_angle.txt (tables for a\n"
+        "controller), and the pages recording.html and report.html.",
         epilog=SIGNS + SHORT + "pinpress analyse press.yaml --out out",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -69,6 +69,7 @@ def run(options: argparse.Namespace) -> int:
     results += [job.pins()] if pins_of(job.press, job.bearings) else []
     results += [job.load_cases()] if "fe" in job.sections else []
     results += stopping_results(job) if "stopping" in job.sections else []
+    results += job.cam_tables() if "cam_table" in job.sections else []
     more = [line for each in results for line in ("", str(each))]
     if "motion" not in job.sections and len(job.press.drivers) == 1 and job.press.driver_coordinates[0].turns:
         more += _of_flywheel(job, reactions) if job.flywheel is not None or job.motor is not None else []
@@ -163,6 +164,7 @@ def _write(job: Job, reactions: Reactions, ratings: Any, results: list[Tabular],
         if isinstance(result, LinkLoads) and "mesh" in job.sections["fe"]:
             result.write_inp(folder / "load_cases.inp", mesh=job.sections["fe"]["mesh"], nodes=job.sections["fe"].get("nodes", {}))
             names.append("load_cases.inp")
+    names += write_cam_tables(job, folder)
     if ratings is None:
         say_written(folder, names)
         return

@@ -102,6 +102,12 @@ def write_report(job: Job, folder: Path, **more: Any) -> list[str]:
     return ["report.html"]
 
 
+def write_cam_tables(job: Job, folder: Path) -> list[str]:
+    """Write the cam tables of the job as cam_height.txt and cam_angle.txt; return the names of what was written."""
+    tables = job.cam_tables() if "cam_table" in job.sections else []
+    return [path.name for table in tables for path in table.write(folder / f"cam_{table.of}.txt")]
+
+
 def write_pictures(folder: Path, written: Sequence[str], draw: Callable[[], Mapping[str, Figure]]) -> None:
     """Write pictures if Matplotlib is installed, and print the names of the written files.
 

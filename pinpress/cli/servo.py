@@ -9,7 +9,7 @@ from ..common.files import make_folder
 from ..dynamics.inputs import described, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..jobs.job import servo_results
-from .options import add_job_options, open_job, print_inputs, say_written, write_report
+from .options import add_job_options, open_job, print_inputs, say_written, write_cam_tables, write_report
 
 EXAMPLE = """\
 e.g. press.yaml, with its table or file: zxn2_3000b:
@@ -33,7 +33,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help="the motion of a servo press that needs the smallest motor, with proof, and this motor",
         description="Find the motion of the crank with the least heat in the motor, time or energy within limits, and prove that it is\n"
         "optimal. Prints it in comparison with usual motions, with the limits that act. With --out also writes servo.csv (the motion),\n"
-        "angle.csv and height.csv (for a controller), comparison.csv, and report.html, the press in this motion.",
+        "angle.csv and height.csv (for a controller), comparison.csv, with cam_table its files, and report.html, the press in this motion.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -55,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("no motor is sufficient: give larger motors, other ratios, more time or a pause")
     parts = [*servo_results(job)]
     best, compared = parts[-3:-1]
+    parts += job.cam_tables() if "cam_table" in job.sections else []
     print("\n\n".join(map(str, parts)))
     time = [("time", f"{given['time']:.6g} s a cycle")] if "time" in given else []
     asked = [(name, described(given[name])) for name in ("drive", "path") if name in given]
@@ -72,5 +73,5 @@ def run(options: argparse.Namespace) -> int:
         compared.to_csv(options.out / "comparison.csv")
         reactions = inverse_dynamics(job.press, motion.motion, loads)  # with all bearings: the optimum has only those with a limit
         page = write_report(job, options.out, results=parts, reactions=reactions)
-        say_written(options.out, ["servo.csv", "angle.csv", "height.csv", "comparison.csv", *page])
+        say_written(options.out, ["servo.csv", "angle.csv", "height.csv", "comparison.csv", *page, *write_cam_tables(job, options.out)])
     return 0

@@ -28,6 +28,7 @@ from ..common.reading.filling import (
 )
 from ..foundation.frame_file import MOUNTED, ON_MOUNTS, USUAL_WORDS
 from ..ratings.safety_distance import EDITIONS
+from ..servo.cam_table import LAYOUTS
 from ..simulation.simulate import METHODS
 from ..visual.languages import LANGUAGES
 from .kinds import (
@@ -434,6 +435,12 @@ SECTIONS: Mapping[str, Section] = {
         ),
         "The servo drive, or a catalogue of motors, and what its best motion has to keep.",
         "servo: {strokes_per_minute: 25, drive: {inertia: 1.5 kg m2, ratio: 60, peak_torque: 2100 N m}, path: {kind: turn}}",
+    ),
+    "cam_table": Section(
+        keys("{height: 1 um, layout: xyva}", {"height": Number("m"), "angle": Place(), "layout": Text(tuple(LAYOUTS))}),
+        "Cam tables of the motion for a controller: of the slide's height, the crank's angle, or both, each with its tolerance.",
+        "cam_table: {height: 1 um, layout: xyva}",
+        by_keys=True,
     ),
     "run": Section(
         keys(

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from ..balancing.result import BalancedPress
     from ..fe.link_loads import LinkLoads
     from ..foundation.mounted_press import MountedPress
+    from ..servo.cam_table import CamTable
     from ..servo.motion_optimum import MotionOptimum
     from ..servo.sizing import MotorChoice
     from ..tolerances.accuracy_budget import AccuracyBudget
@@ -555,6 +556,25 @@ class Job(Frozen):
             given.pop(name, None)
         return choose_motor(self.press, read_motors(given.pop("motors")), list(self.loads.values()), **given)
 
+    def cam_tables(self) -> list[CamTable]:
+        """The cam tables of the servo drive's best motion; of a job without one those of the motion that its page shows."""
+        return self._cam_tables
+
+    @cached_property
+    def _cam_tables(self) -> list[CamTable]:
+        from ..servo.cam_table import cam_table  # seldom needed
+
+        given = dict(self.need("cam_table"))
+        more = {"layout": given.pop("layout")} if "layout" in given else {}
+        if not given:
+            self._refuse("cam_table", "it has neither height nor angle", "write height: 1 um, the tolerance of the table")
+        motion = self.best_motion().motion.motion if "servo" in self.sections else motion_of(self).motion
+        period = self.sections.get("motion", {}).get("period")
+        if not {"motion", "servo", "run"} & {*self.sections} and not self.press.driver_coordinates[0].turns:
+            period = len(motion.time) * float(motion.time[1])  # there and back in equal steps, the end left out
+        with self._naming("cam_table"):
+            return [cam_table(self.press, motion, of=of, tolerance=given[of], period=period, **more) for of in given]
+
     @cached_property
     def dimensions(self) -> DimensionTable:
         """The dimensions with their tolerances."""
@@ -688,6 +708,8 @@ def results_of(job: Job) -> Iterator[Tabular]:
             yield job.budget()
     if "servo" in has:
         yield from servo_results(job)
+    if "cam_table" in has:
+        yield from job.cam_tables()
 
 
 def stopping_results(job: Job) -> Iterator[Tabular]:

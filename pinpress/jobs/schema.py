@@ -152,6 +152,11 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "points": "segments of the path; left out: as many as it takes",
         "step": "of the tables for a controller",
     },
+    "cam_table": {
+        "height": "tolerance of a table of the slide's height above bottom dead centre",
+        "angle": "tolerance of a table of the crank's angle; of a driver that slides of its position",
+        "layout": "of the file; left out: xyva",
+    },
     "stopping": {
         "delay": "from the signal until the brake begins to close; torque and rise are those of brake",
         "control": "response time of the control",

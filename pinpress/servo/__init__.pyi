@@ -1,3 +1,5 @@
+from .cam_table import CamTable as CamTable
+from .cam_table import cam_table as cam_table
 from .comparison import ComparedMotion as ComparedMotion
 from .comparison import MotionComparison as MotionComparison
 from .comparison import compare_motions as compare_motions

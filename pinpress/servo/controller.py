@@ -13,6 +13,7 @@ from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..common.results import Tabular
 from .motion import MOST_STATES, ServoMotion
+from .state_curve import state_curve
 
 SAME = 1e-9  # share of the cycle: states that are closer in time count as one instant
 
@@ -48,8 +49,8 @@ class MotionTable(Tabular):
 def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e-3) -> MotionTable:
     """A motion as a table for a controller.
 
-    A cubic connects two states of the motion. It has the angles and speeds of both states, and is exact for a constant acceleration. For
-    heights it has the slide's heights and speeds.
+    A quintic connects two states of the motion. It has the angles, speeds and accelerations of both states; for heights those of the slide.
+    A table over a master axis is `cam_table`.
 
     Args:
         motion: the motion.
@@ -66,16 +67,13 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
     count = math.ceil(motion.duration / width * (1 - SAME))
     if not count < MOST_STATES:
         raise PinpressError(f"step is {width:g} s: a cycle of {motion.duration:g} s would have {count} rows; give a longer step")
-    from scipy.interpolate import CubicHermiteSpline  # to save start-up time
-
-    kept = np.append(np.diff(motion.time) > SAME * motion.duration, True)
     if of == "angle":
-        values, rates, scale = motion.angle, motion.speed, 180 / math.pi
+        states, scale = (motion.angle, motion.speed, motion.acceleration), 180 / math.pi
     else:
-        values, rates, scale = motion.height, motion.motion.slide_velocity, 1e3
-    start = motion.time[kept][0]
-    time, end = width * np.arange(count + 1), float(motion.time[-1] - start)
+        states, scale = (motion.height, motion.motion.slide_velocity, motion.motion.slide_acceleration), 1e3
+    time: Array = width * np.arange(count + 1, dtype=float)
+    end = motion.duration
     if time[-1] > end * (1 + SAME):
         time[-1] = end
-    sampled = CubicHermiteSpline(motion.time[kept] - start, values[kept], rates[kept])(np.minimum(time, end))
+    sampled = state_curve(motion.time - motion.time[0], *states).at(time)[0]
     return MotionTable(motion.press_name, of, time, scale * sampled)  # type: ignore[arg-type]  # checked above

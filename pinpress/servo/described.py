@@ -1,5 +1,5 @@
 """What results of servo presses show: the best motion with what limits it, the motions compared with it, the motor and the capacitor that
-it needs."""
+it needs, and the cam table of a motion."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from ..common.outlets.described import Along, Block, Chart, Column, Curve, Figure, Section, Table
 from ..common.quantities import RPM, Array
 from ..dynamics.reactions import Reactions
+from .cam_table import TURN, CamTable
 from .comparison import NOT_SEEN, MotionComparison
 from .drive import ServoDrive
 from .limits import SlideSpeed, in_words, span
@@ -122,6 +123,25 @@ def energy_store(found: EnergyStore, page: Reactions | None = None) -> tuple[Sec
         Figure("capacitor", found.capacitance, "F", f"from {found.upper_voltage:g} to {found.lower_voltage:g} V"),
     ]
     return (Section("Mains and capacitor", figures, note="The mains feed the mean electrical power, the capacitor the rest."),)
+
+
+def cam_table(found: CamTable, page: Reactions | None = None) -> tuple[Section, ...]:
+    """A cam table, with its points."""
+    scale, quantity = (1e-3, "m") if found.unit == "mm" else (np.pi / 180, "rad")
+    master = Along("master angle", "rad", np.pi / 180 * found.master)
+    points = Chart("cam", "Slave over the master axis", quantity, master, [Curve(found.of, scale * found.slave, look="marked")])
+    rate = Chart("cam_rate", "Slave speed at this period", f"{quantity}/s", master, [Curve("speed", _speed(found, scale), look="marked")])
+    figures = [
+        Figure("points", float(len(found.master)), "-", f"{found.corners} at corners of the motion"),
+        Figure("largest error", scale * found.error, quantity, f"{found.interpolation} between points, at {found.error_at:.5g} deg"),
+        Figure("period", found.period, "s", "repeats itself" if found.closed else "does not repeat itself"),
+    ]
+    inputs = [("cam table", f"{found.of} in the layout {found.layout}")]
+    return (Section("Cam table", figures, [points, rate], inputs, "", found._press, "motion"),)
+
+
+def _speed(found: CamTable, scale: float) -> Array:
+    return scale * found.velocity * TURN / found.period
 
 
 def _sentence(words: str) -> str:
@@ -274,5 +294,6 @@ SECTIONS = {
     MotionComparison: comparison,
     MotorChoice: choice,
     EnergyStore: energy_store,
+    CamTable: cam_table,
 }
 """How results of this room are described."""

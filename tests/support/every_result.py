@@ -524,6 +524,7 @@ def made():
         pp.servo.trade_off(press(), SERVO, times=[1.0], path=pp.servo.Stop(), points=24)[0],
         *(pp.servo.motor_use(MOTOR, served()), pp.servo.compare_motions({"even": served()})),
         *(*pp.servo.compare_motions({"even": served()}).rows, pp.servo.controller_table(served(), step=0.05)),
+        pp.servo.cam_table(press(), motion(), tolerance=1e-4),
         *(motor_choice(), *motor_choice().tried),
         *(mounted(), response(), foundation.modes(mounted()), hammered()),
         foundation.beam_frame({"a": (0, 0, 0), "b": (0, 1, 0)}, [BEAM], bed="a", carrier="b", elements=1),

@@ -417,6 +417,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "pause": 0.1,
     },
     "servo.best_motion": {"limits": [pp.servo.CrankSpeed(50.0)], "path": pp.servo.Stop(), "time": 1.0},
+    "servo.cam_table": {"of": "height", "layout": "xyva", "tolerance": 1e-4, "motion": Late(motion)},
     "servo.choose_motor": {"limits": [], "time": 1.0},
     "servo.compare_motions": {"motions": Late(lambda: {"even": served()})},
     "servo.controller_table": {"of": "height", "step": 0.01},
