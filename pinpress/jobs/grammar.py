@@ -28,7 +28,7 @@ from ..common.reading.filling import (
 )
 from ..foundation.frame_file import MOUNTED, ON_MOUNTS, USUAL_WORDS
 from ..ratings.safety_distance import EDITIONS
-from ..servo.cam_table import LAYOUTS
+from ..servo.cam_tables import LAYOUTS
 from ..simulation.simulate import METHODS
 from ..visual.languages import LANGUAGES
 from .kinds import (

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from ..balancing.result import BalancedPress
     from ..fe.link_loads import LinkLoads
     from ..foundation.mounted_press import MountedPress
-    from ..servo.cam_table import CamTable
+    from ..servo.cam_tables import CamPoints
     from ..servo.motion_optimum import MotionOptimum
     from ..servo.sizing import MotorChoice
     from ..tolerances.accuracy_budget import AccuracyBudget
@@ -556,13 +556,13 @@ class Job(Frozen):
             given.pop(name, None)
         return choose_motor(self.press, read_motors(given.pop("motors")), list(self.loads.values()), **given)
 
-    def cam_tables(self) -> list[CamTable]:
+    def cam_tables(self) -> list[CamPoints]:
         """The cam tables of the servo drive's best motion; of a job without one those of the motion that its page shows."""
         return self._cam_tables
 
     @cached_property
-    def _cam_tables(self) -> list[CamTable]:
-        from ..servo.cam_table import cam_table  # seldom needed
+    def _cam_tables(self) -> list[CamPoints]:
+        from ..servo.cam_tables import cam_table  # seldom needed
 
         given = dict(self.need("cam_table"))
         more = {"layout": given.pop("layout")} if "layout" in given else {}

@@ -1,5 +1,5 @@
-from .cam_table import CamTable as CamTable
-from .cam_table import cam_table as cam_table
+from .cam_tables import CamPoints as CamPoints
+from .cam_tables import cam_table as cam_table
 from .comparison import ComparedMotion as ComparedMotion
 from .comparison import MotionComparison as MotionComparison
 from .comparison import compare_motions as compare_motions

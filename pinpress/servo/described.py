@@ -10,7 +10,7 @@ import numpy as np
 from ..common.outlets.described import Along, Block, Chart, Column, Curve, Figure, Section, Table
 from ..common.quantities import RPM, Array
 from ..dynamics.reactions import Reactions
-from .cam_table import TURN, CamTable
+from .cam_tables import TURN, CamPoints
 from .comparison import NOT_SEEN, MotionComparison
 from .drive import ServoDrive
 from .limits import SlideSpeed, in_words, span
@@ -125,7 +125,7 @@ def energy_store(found: EnergyStore, page: Reactions | None = None) -> tuple[Sec
     return (Section("Mains and capacitor", figures, note="The mains feed the mean electrical power, the capacitor the rest."),)
 
 
-def cam_table(found: CamTable, page: Reactions | None = None) -> tuple[Section, ...]:
+def cam_table(found: CamPoints, page: Reactions | None = None) -> tuple[Section, ...]:
     """A cam table, with its points."""
     scale, quantity = (1e-3, "m") if found.unit == "mm" else (np.pi / 180, "rad")
     master = Along("master angle", "rad", np.pi / 180 * found.master)
@@ -133,14 +133,15 @@ def cam_table(found: CamTable, page: Reactions | None = None) -> tuple[Section, 
     rate = Chart("cam_rate", "Slave speed at this period", f"{quantity}/s", master, [Curve("speed", _speed(found, scale), look="marked")])
     figures = [
         Figure("points", float(len(found.master)), "-", f"{found.corners} at corners of the motion"),
-        Figure("largest error", scale * found.error, quantity, f"{found.interpolation} between points, at {found.error_at:.5g} deg"),
+        Figure("interpolation", found.interpolation),
+        Figure("largest error", scale * found.error, quantity, f"at {found.error_at:.5g} deg of the master"),
         Figure("period", found.period, "s", "repeats itself" if found.closed else "does not repeat itself"),
     ]
     inputs = [("cam table", f"{found.of} in the layout {found.layout}")]
     return (Section("Cam table", figures, [points, rate], inputs, "", found._press, "motion"),)
 
 
-def _speed(found: CamTable, scale: float) -> Array:
+def _speed(found: CamPoints, scale: float) -> Array:
     return scale * found.velocity * TURN / found.period
 
 
@@ -294,6 +295,6 @@ SECTIONS = {
     MotionComparison: comparison,
     MotorChoice: choice,
     EnergyStore: energy_store,
-    CamTable: cam_table,
+    CamPoints: cam_table,
 }
 """How results of this room are described."""

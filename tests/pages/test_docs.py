@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 TABLES = ("balancing", "servo", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = [
+    "cam_tables",
     "balancing",
     "commands",
     "elastic_motion",

@@ -200,6 +200,8 @@ QUESTIONS = {
     "die cushion": "press_parts",
     "moment of inertia of motor": "motor simulation",
     "motor temperature": "motor",
+    "cam table": "cam_tables",
+    "motion controller": "cam_tables servo",
     "servo motor selection": "servo examples/motor",
     "tonnage": "ratings",
     "bearing life": "pins",

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 import pinpress as pp
 from pinpress.common.numerics import quintics
 from pinpress.jobs.job import results_of
-from pinpress.servo.cam_table import LAYOUTS, SAMPLES, largest_error, points_of
+from pinpress.servo.cam_tables import LAYOUTS, SAMPLES, largest_error, points_of
 from pinpress.servo.state_curve import state_curve
 
 PERIOD = 2 * np.pi
@@ -172,7 +172,7 @@ def test_a_table_in_a_job_is_that_of_its_motion():
     by_library = pp.servo.cam_table(job.press, job.motion(), layout="pairs", tolerance=1e-5)
     assert [table.of for table in job.cam_tables()] == ["height", "angle"]
     assert np.array_equal(job.cam_tables()[0].slave, by_library.slave)
-    assert [type(each).__name__ for each in results_of(job)] == ["CamTable", "CamTable"]
+    assert [type(each).__name__ for each in results_of(job)] == ["CamPoints", "CamPoints"]
     with pytest.raises(pp.PinpressError, match="neither height nor angle; write height: 1 um"):
         job.with_(**{"cam_table.height": None, "cam_table.angle": None}).cam_tables()
 

@@ -75,8 +75,8 @@ def report(
             `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `LoadedGuide`; `ElasticRun`, `ElasticModes`,
             `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `ElasticFrame`, `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse`, `WhirlDiagram`, `LiftingMotion` and `Isolation`;
-            `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter` and its `Scatter`,
-            `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
+            `ServoMotion`, `MotionOptimum`, `MotionComparison`, `MotorChoice`, `EnergyStore` and `CamPoints`; `DeadCentreScatter` and its
+            `Scatter`, `AllocatedTolerances`, `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
         header: Language of the page, and title, company, logo and other parts of a title block, which stands at the top of the page and of
             its first sheet; by default the page is in English, and the press's name is the title.

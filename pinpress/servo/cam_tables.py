@@ -36,7 +36,7 @@ SEAM = 1e-6  # share of its range by which a quantity may miss the start of the 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CamTable(OfPress, Tabular):
+class CamPoints(OfPress, Tabular):
     """A cam: points of a slave axis over a master axis from 0 to 360 deg. Units are those of controllers.
 
     Attributes:
@@ -76,7 +76,7 @@ class CamTable(OfPress, Tabular):
     def title(self) -> str:
         """The press, the tabulated quantity, the number of points and the largest error."""
         return (
-            f"CamTable of {self.press_name}: {self.of} at {len(self.master)} points, {self.interpolation}, error {self._error_as_text}"
+            f"CamPoints of {self.press_name}: {self.of} at {len(self.master)} points, {self.interpolation}, error {self._error_as_text}"
             f" at {self.error_at:.5g} deg"
         )
 
@@ -143,7 +143,7 @@ class _Layout(NamedTuple):
     interpolation: str
     fewest: int
     comments: bool
-    lines: Callable[[CamTable], list[str]]
+    lines: Callable[[CamPoints], list[str]]
 
 
 class _Points(NamedTuple):
@@ -163,16 +163,16 @@ def _rows(between: str, *columns: Array) -> list[str]:
     return [between.join(f"{value:.{DECIMALS}f}" for value in row) for row in zip(*columns, strict=True)]
 
 
-def _xyva(table: CamTable) -> list[str]:
+def _xyva(table: CamPoints) -> list[str]:
     return [*(f"# {line}" for line in table.head), *_rows(" ", table.master, table.slave, table.velocity, table.acceleration)]
 
 
-def _lenze(table: CamTable) -> list[str]:
+def _lenze(table: CamPoints) -> list[str]:
     first, *others = _rows(" ", table.master, table.slave)
     return [f"{first} // {'; '.join(table.head)}", *others]  # a comment may only stand behind the numbers of a line
 
 
-def _kas(table: CamTable) -> list[str]:
+def _kas(table: CamPoints) -> list[str]:
     rows = [f"{row};SPLINE" for row in _rows(";", table.master, table.slave)]
     return [f"CYCLIC;{'YES' if table.closed else 'NO'};", "TABLE_BEGIN;;", *rows, "TABLE_END;;"]
 
@@ -195,7 +195,7 @@ def cam_table(
     layout: str = "xyva",
     tolerance: float = 1e-6,
     period: float | None = None,
-) -> CamTable:
+) -> CamPoints:
     """A motion as a cam table for a controller: points of a slave axis over a master axis, which turns once in the period.
 
     The master is at 0 in the first state. Between states the motion is the quintic through positions, speeds and accelerations. The table
@@ -246,7 +246,7 @@ def cam_table(
         )
     corners, words = len(curve.corners), motion_in_words(states)
     interpolation = LAYOUTS[layout].interpolation
-    return CamTable(press, of, layout, unit, interpolation, length, closed, *points, error, error_at, corners, words)
+    return CamPoints(press, of, layout, unit, interpolation, length, closed, *points, error, error_at, corners, words)
 
 
 def _over_master(press: Linkage, motion: Motion, of: str, scale: float, period: float | None) -> tuple[StateCurve, float, bool]:
