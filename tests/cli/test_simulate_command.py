@@ -201,6 +201,7 @@ def read(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
 
 
+@pytest.mark.exhaustive
 def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, tmp_path, PRESSING + "run: {steady: yes, angle: 30 deg}\n", tmp_path)
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)

@@ -153,6 +153,7 @@ def test_efficiency_of_a_planetary_gear(engine):
     assert np.abs(found.power_residual).max() < 1e-14
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES[1:])  # redundant gears are no blocks of the plane
 @pytest.mark.parametrize("efficiencies", [(1.0, 1.0), (0.99, 0.985)])
 def test_one_planet_for_four_and_all_that_are_drawn(engine, efficiencies):
@@ -189,6 +190,7 @@ WITH_STIFFNESS = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", WITH_STIFFNESS)
 def test_redundant_teeth_share_by_stiffness(kind):
     """Four planets whose weights load them unevenly; two geared cranks, whose idle force runs through teeth, rods and slide. Teeth have no
@@ -237,6 +239,7 @@ def random_states(kind, seed):
     return press, motion, [pp.loads.PointForce("slide", tuple(1e3 * random.normal(size=3)))]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_bodies_cut_free(kind, seed):
@@ -256,6 +259,7 @@ def test_bodies_cut_free(kind, seed):
             np.testing.assert_allclose(teeth, np.abs(state.teeth), rtol=0, atol=1e-12 * size)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_friction_of_bearings_that_teeth_push_apart(kind, seed):

@@ -133,7 +133,7 @@ def test_both_methods_to_50_ms(press, simulated):
     assert runs[0].crank_angle[-1] > 2 * np.pi * 5
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_energy_to_50_ms(press, simulated, method):
     """IFToMM's check: kinetic and spring energy grow by the torque's work."""
     run = simulated(method, 0.05)

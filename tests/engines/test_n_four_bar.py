@@ -88,7 +88,7 @@ def test_the_tables_are_the_equations():
     assert abs(np.sin(n_four_bar.EXACT[2][10][0]) - n_four_bar.EXTRAPOLATED) < 2e-8  # the extrapolation's own error
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("method", BOUNDS)
 def test_it_stays_a_parallelogram(double, method):
     """At all times, those at which it is singular and those beside them among them: all rods upright alike, the others level."""

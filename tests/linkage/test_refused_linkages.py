@@ -142,7 +142,7 @@ def locking():
         return texts.load(text)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.exhaustive
 def test_a_linkage_that_locks_says_where(locking, engine):
     for sign in (1, -1):
         assert pp.servo_cycle(locking, speed=1.0, angle=[0.0, sign * 0.99 * LOCK], engine=engine).closure_error.max() < 1e-12

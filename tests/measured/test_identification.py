@@ -99,6 +99,7 @@ def test_the_press_found_moves_as_the_records_say(tmp_path):
         np.testing.assert_allclose(pp.inverse_dynamics(again, motion).driving_torque, found.torque(motion), atol=1e-6 * np.abs(true).max())
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "name", ["rssp", *(pytest.param(each, marks=pytest.mark.exhaustive) for each in ("jf75g_125", "zxn2_3000b", "knuckle"))]
 )

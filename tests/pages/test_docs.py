@@ -62,7 +62,7 @@ RUN += [
 # these take as long as all others
 LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
 LONG |= {"balancing", "elasticity", "measured_vibration", "recording", "robots", "servo", "several_drivers", "synthesis", "slide_accuracy"}
-LONG |= {"stopping", "tolerances"}
+LONG |= {"jobs", "motion_and_forces", "stopping", "tolerances"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "mistakes", "motor", "kong2025", "zhang2007", "chen2002"]
@@ -184,6 +184,7 @@ def test_reference_has_every_public_name() -> None:
     assert sorted(space for _, spaces in scripts.PAGES.values() for space in spaces.split()) == sorted(SPACES)
 
 
+@pytest.mark.exhaustive
 def test_answers_to_mistakes_are_what_is_said_today() -> None:
     script = make.load("write_answers")
     answers = script.answers()

@@ -16,6 +16,9 @@ SHAFT = 0.750 - 0.250j  # x + i z
 STEEL = 7850.0  # kg/m3
 
 
+pytestmark = pytest.mark.exhaustive  # all of them stand on one run of the whole page
+
+
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, Any], list[page_blocks.Shown]]]:
     """The names that a reader has at the end, and what was shown and printed on the way."""
@@ -25,7 +28,6 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str
         yield names, list(page_blocks.run((DOCS / "tour.md").read_text(encoding="utf-8"), names))
 
 
-@pytest.mark.exhaustive
 def test_prints_what_the_page_shows(session: tuple[dict[str, Any], list[page_blocks.Shown]]) -> None:
     shown = session[1]
     for each in shown:

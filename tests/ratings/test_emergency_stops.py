@@ -175,6 +175,7 @@ def test_distances_of_each_edition() -> None:
     assert distance("ANSI B11.19", 0.2, resolution=0.005) == pytest.approx(63 * 25.4 * 0.24)  # 20 % without a monitor
 
 
+@pytest.mark.exhaustive
 def test_addends_are_named(stops: pp.ratings.StoppingTimes) -> None:
     with pytest.warns(pp.PinpressWarning, match="does not hold"):
         result = stops.distance("ISO 13855:2010", resolution=0.014)
@@ -209,6 +210,7 @@ def test_refused(call, message: str) -> None:
     assert message in str(error.value)
 
 
+@pytest.mark.exhaustive
 def test_warned(stops: pp.ratings.StoppingTimes) -> None:
     with pytest.warns(pp.PinpressWarning, match="resolution is 0.014 mm"), pytest.warns(pp.PinpressWarning, match="does not hold"):
         stops.distance("ANSI B11.19", resolution=14e-6)

@@ -34,7 +34,7 @@ def utilisation(press, found, name, force):
     return np.linalg.norm(reactions.bearing_force[bearing], axis=1) / found.capacities.bearings[bearing]
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide"])
 def test_permissible_forces_by_hand(name):
     """The torque of the press written out by hand is the capacity where it governs; pins bear just theirs (friction, weight, inertia)."""

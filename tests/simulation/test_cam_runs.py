@@ -12,6 +12,7 @@ from pinpress.loads import Friction
 DRIVE = pp.drives.ConstantTorque(20.0)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "friction"),
     [
@@ -37,6 +38,7 @@ def test_methods_agree(name, friction):
     assert found.driving_torque == pytest.approx(left, abs=1e-6 * np.abs(left).max())
 
 
+@pytest.mark.exhaustive
 def test_methods_agree_where_the_acceleration_jumps():
     table = copy.deepcopy(cams.EJECTOR)
     table["cams"]["eject"]["law"] = [[0, 0], {"trapezoid": [90, 40]}, [180, 40], {"cubic": [290, 0]}]

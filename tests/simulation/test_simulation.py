@@ -1023,7 +1023,7 @@ def test_turns_before_do_not_matter(press, method):
     np.testing.assert_allclose(runs[1].crank_angle - 2000 * math.pi, runs[0].crank_angle, rtol=0, atol=1e-8)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 def test_a_run_in_two_parts(press, method):
     """Going on from a state that was reached gives the run in one."""
     for first, load in itertools.product((0.1, 0.16032998324976558, 0.2), ("blanking", "damped_die")):

@@ -12,6 +12,7 @@ RECORDS = [Path(__file__).resolve().parents[3] / "docs" / "records" / f"{strokes
 COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7"]
 
 
+@pytest.mark.exhaustive
 def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     """The slide of these records has 7640 kg, 8 % more than described."""
     press = shipped("zxn2_3000b")

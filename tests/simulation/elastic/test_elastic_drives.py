@@ -147,6 +147,7 @@ def test_drives_that_an_elastic_run_cannot_have_are_refused(change, message):
         pp.simulate(jf75g(), 0.1, **given)
 
 
+@pytest.mark.exhaustive
 def test_inverse_dynamics_and_sweeps_of_elastic_runs():
     """Reactions to such a run are those of the rigid press at the same crank angles; sweeps take its numbers, other processes the run."""
     run, motion = steady(), pp.cycle(jf75g(), SPEED, points=120)
