@@ -20,7 +20,7 @@ MADE_BY_FUNCTIONS = ("Linkage", "Motion", "Reactions", "Run", "ElasticRun", "Run
 PAGES = {  # by file: title, and the namespaces that share the page
     "motion": ("Pin tables and measures", "pin_table measures"),
     "loads": ("Loads and drives", "loads drives"),
-    "ratings": ("Ratings and servo motions", "ratings servo"),
+    "ratings": ("Ratings, servo motions, motors", "ratings servo mains"),
     "measured": ("Measured machines and tolerances", "measured tolerances"),
     "elasticity": ("Elasticity and foundation", "elasticity foundation"),
     "design": ("Balancing, synthesis, derivatives, sweeps", "balancing balancing.classical synthesis derivatives sweeps fe"),

@@ -6,6 +6,7 @@ from . import elasticity as elasticity
 from . import fe as fe
 from . import foundation as foundation
 from . import loads as loads
+from . import mains as mains
 from . import measured as measured
 from . import measures as measures
 from . import pin_table as pin_table

@@ -21,6 +21,7 @@ from ..dynamics.reactions import Reactions
 from ..fe.link_loads import LinkLoads
 from ..jobs.bearings import pins_of
 from ..jobs.job import Job, stopping_results, traces_of
+from ..mains.drive_choice import DriveChoice
 from ..ratings.along_motion import MotionRatings
 from ..ratings.emergency_stops import StoppingTimes
 from ..ratings.permissible_force import capacities_in_words
@@ -33,7 +34,7 @@ from .options import SHORT, SIGNS, add_job_options, open_job, print_inputs, say_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
 
-FILES = {PinRatings: "pins.csv", LinkLoads: "load_cases.csv", StoppingTimes: "stopping.csv"}
+FILES = {PinRatings: "pins.csv", LinkLoads: "load_cases.csv", StoppingTimes: "stopping.csv", DriveChoice: "drives.csv"}
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -44,9 +45,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         description="Turn a press through one period at constant speed (one turn of the crank, or with gears the number of turns after\n"
         "which the press repeats itself), or move one or several drivers by the table of motion. Prints slide, torque and forces; with\n"
         "capacities the permissible force; with sizes of bearings their pressure and life; with stopping the stops under the brake; with\n"
-        "a flywheel its drop of speed; with a motor the steady state. With --out also writes cycle.csv (every quantity in every state),\n"
-        "ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp, stopping.csv, cam_height.txt and cam_angle.txt (tables for a\n"
-        "controller), and the pages recording.html and report.html.",
+        "mains a motor of a catalogue with its flywheel; with a flywheel its drop of speed; with a motor the steady state. With --out\n"
+        "also writes cycle.csv (every quantity in every state), ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp,\n"
+        "stopping.csv, drives.csv, cam_height.txt and cam_angle.txt (tables for a controller), and the pages recording.html and\n"
+        "report.html.",
         epilog=SIGNS + SHORT + "pinpress analyse press.yaml --out out",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -70,6 +72,7 @@ def run(options: argparse.Namespace) -> int:
     results += [job.load_cases()] if "fe" in job.sections else []
     results += stopping_results(job) if "stopping" in job.sections else []
     results += job.cam_tables() if "cam_table" in job.sections else []
+    results += [job.choose_drive()] if "mains" in job.sections else []
     more = [line for each in results for line in ("", str(each))]
     if "motion" not in job.sections and len(job.press.drivers) == 1 and job.press.driver_coordinates[0].turns:
         more += _of_flywheel(job, reactions) if job.flywheel is not None or job.motor is not None else []

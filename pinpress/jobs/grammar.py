@@ -442,6 +442,25 @@ SECTIONS: Mapping[str, Section] = {
         "cam_table: {height: 1 um, layout: xyva}",
         by_keys=True,
     ),
+    "mains": Section(
+        keys(
+            "{motors: motors.csv, ratios: 12 15, flywheels: 0.2 3 kg m2, speeds: 90 105 r/min, speed_drop: 6 %}",
+            {
+                "motors": DataFile(),
+                "ratios": Numbers("-"),
+                "flywheels": Numbers("kg m2"),
+                "speeds": Numbers("rad/s"),
+                "speed_drop": Number("-"),
+                "reserve": Number("-"),
+                "start_time": Number("s"),
+                "efficiency": Number("-"),
+            },
+            ("motors", "ratios", "flywheels", "speeds", "speed_drop"),
+        ),
+        "A catalogue of motors on the mains, from which motor, gear and flywheel are chosen.",
+        "mains: {motors: motors.csv, ratios: 12 15, flywheels: 0.2 3 kg m2, speeds: 90 105 r/min, speed_drop: 6 %}",
+        by_keys=True,
+    ),
     "run": Section(
         keys(
             "{duration: 3 s}",

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from ..balancing.result import BalancedPress
     from ..fe.link_loads import LinkLoads
     from ..foundation.mounted_press import MountedPress
+    from ..mains.drive_choice import DriveChoice
     from ..servo.cam_tables import CamPoints
     from ..servo.motion_optimum import MotionOptimum
     from ..servo.sizing import MotorChoice
@@ -575,6 +576,19 @@ class Job(Frozen):
         with self._naming("cam_table"):
             return [cam_table(self.press, motion, of=of, tolerance=given[of], period=period, **more) for of in given]
 
+    def choose_drive(self) -> DriveChoice:
+        """Motor, gear and flywheel of the catalogue in the section ``mains``."""
+        return self._drive_choice
+
+    @cached_property
+    def _drive_choice(self) -> DriveChoice:
+        from ..mains.drive_choice import choose_drive  # seldom needed
+        from ..mains.motors import read_motors
+
+        given = dict(self.need("mains"))
+        with self._naming("mains"):
+            return choose_drive(self.press, read_motors(given.pop("motors")), list(self.loads.values()), self.friction, **given)
+
     @cached_property
     def dimensions(self) -> DimensionTable:
         """The dimensions with their tolerances."""
@@ -687,6 +701,8 @@ def results_of(job: Job) -> Iterator[Tabular]:
         yield job.load_cases()
     if "stopping" in has:
         yield from stopping_results(job)
+    if "mains" in has:
+        yield job.choose_drive()
     if "motor" in has and not moving and len(job.press.drivers) == 1:
         try:
             yield job.steady_state()

@@ -157,6 +157,16 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "angle": "tolerance of a table of the crank's angle; of a driver that slides of its position",
         "layout": "of the file; left out: xyva",
     },
+    "mains": {
+        "motors": "a catalogue of induction motors",
+        "ratios": "gear ratios to try",
+        "flywheels": "smallest and largest inertia on the motor's shaft",
+        "speeds": "band of the crank's mean speed",
+        "speed_drop": "highest less lowest speed by the mean speed, at most",
+        "reserve": "breakdown torque by the largest torque, at least; left out: 1.25",
+        "start_time": "to the rated speed with the clutch open, at most; left out: any time",
+        "efficiency": "of the gear; left out: 1",
+    },
     "stopping": {
         "delay": "from the signal until the brake begins to close; torque and rise are those of brake",
         "control": "response time of the control",

@@ -36,7 +36,7 @@ BESIDE = {  # sections of a job that may stand in a table -> levels at which the
     **dict.fromkeys(("loads", "bearings"), 2),
     **dict.fromkeys(("slide", "gravity", "zero", "speed", "points"), 0),
     **dict.fromkeys(("motion", "motor", "flywheel", "clutch", "brake", "capacities", "stopping", "fe", "cam_table"), 1),
-    **dict.fromkeys(("elastic", "foundation", "balance", "tolerances", "servo", "run", "traces", "report", "variants"), 1),
+    **dict.fromkeys(("elastic", "foundation", "balance", "tolerances", "servo", "mains", "run", "traces", "report", "variants"), 1),
 }
 LEVELS = {  # the same of the sections of a table
     **dict.fromkeys(("parameters", "pins", "gears"), 1),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,7 +106,7 @@ class ForceDuty(MotorDuty, units=OVER_TRAVEL | {"motor_rms": "N", "motor_peak": 
 def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorDuty:
     """The duty of motor and flywheel of a run.
 
-    Extremes are those of 720 states a turn, and of the edges at which a load or the drive is not smooth; works and means are exact.
+    Extremes are searched from 720 states a turn and from the edges at which a load or the drive is not smooth; works and means are exact.
 
     Args:
         run: of a press with one driver.
@@ -238,6 +239,8 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
     even, edges = np.linspace(start, end, 720 * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1), run.trajectory.borders
     # the crank is slowest where a blank breaks through, which is on an edge
     inner = np.union1d(even, edges[edges.searchsorted(start, "right") : edges.searchsorted(end)])
+    inner = np.union1d(inner, [*_peaks(run, inner, lambda sample: np.abs(_crank(run, sample)[1]))])
+    inner = np.union1d(inner, [*_peaks(run, inner, lambda sample: np.abs(sample.motor_torque))])
     sample = run.trajectory.at(inner, complete=False)
     speed, drive_speed = np.abs(_crank(run, sample)[1]), np.abs(sample.drive_speed)
     highest, lowest = int(speed.argmax()), int(speed.argmin())
@@ -262,6 +265,17 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
         utilisation=None if rated is None else rms / float(np.ravel(rated)[0]),
         **duty_of_motor(run.problem.driven, run.trajectory, start, end),
     )
+
+
+def _peaks(run: Run, times: Array, of: Callable[[Sample], Array]) -> Iterator[float]:
+    """Times of the largest and of the smallest value of a quantity, each on grids that close in on it from its neighbours among times."""
+    values = of(run.trajectory.at(times, complete=False))
+    for best in (np.argmax, np.argmin):
+        near, k = times, int(best(values))
+        for _ in range(3):  # the value is flat at a smooth extreme: 1e-4 of a step in time leave 1e-8 of a step's change
+            near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, len(near) - 1)], 33)
+            k = int(best(of(run.trajectory.at(near, complete=False))))
+        yield float(near[k])
 
 
 def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:

@@ -136,6 +136,19 @@ def test_load_cases_of_a_job_are_those_of_the_library(tmp_path: Path) -> None:
         job.with_(**{"fe.link": "bar"}).load_cases()
 
 
+def test_drive_of_a_job_is_that_of_the_library(tmp_path: Path) -> None:
+    file = tmp_path / "motors.csv"
+    file.write_text("motor, rated power [kW], rated speed [r/min], breakdown ratio, inertia [kg m2]\nlarge, 7.5, 1455, 2.5, 0.028\n")
+    load = pp.loads.ForceStroke([0.005, 0.030], [1e5, 1e5])
+    given = {"ratios": [15.0], "flywheels": [1.0, 2.0], "speeds": [9.0, 11.0], "speed_drop": 0.06}
+    job = pp.job("crank_slide", speed=10.0, loads={"draw": load}, mains={"motors": str(file), **given})
+    by_library = pp.mains.choose_drive(job.press, pp.mains.read_motors(file), [load], **given)
+    assert job.choose_drive().best == by_library.best
+    assert [type(each).__name__ for each in results_of(job)] == ["DriveChoice"]
+    with pytest.raises(pp.PinpressError, match=r"mains: reserve is 0\.5; give breakdown torque"):
+        job.with_(**{"mains.reserve": 0.5}).choose_drive()
+
+
 @pytest.mark.exhaustive
 def test_stops_of_a_job_are_those_of_the_library_with_the_loads_that_always_act() -> None:
     stop = {"delay": 0.02, "inertia": 1.0, "control": 0.01, "edition": "ANSI B11.19", "resolution": 0.02}

@@ -28,6 +28,7 @@ RUN = [
     "elastic_motion",
     "elasticity",
     "fe",
+    "mains",
     "foundation",
     "jobs",
     "lectures",

@@ -202,6 +202,8 @@ QUESTIONS = {
     "motor temperature": "motor",
     "cam table": "cam_tables",
     "motion controller": "cam_tables servo",
+    "choose a motor": "mains servo",
+    "size of the flywheel": "mains",
     "servo motor selection": "servo examples/motor",
     "tonnage": "ratings",
     "bearing life": "pins",

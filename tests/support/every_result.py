@@ -151,6 +151,13 @@ def motor_choice():
     return pp.servo.choose_motor(press(), [MOTOR], [], ratios=[5.0], time=1.0, points=24)
 
 
+@cache
+def drive_choice():
+    given = {"ratios": [15.0], "flywheels": (0.5, 1.0), "speeds": (9.0, 11.0), "speed_drop": 0.06}
+    return pp.mains.choose_drive(press(), {"11 kW": MAINS}, [DEEP], **given)
+
+
+MAINS = pp.drives.InductionMotor(11e3, 1465 * pp.RPM, inertia=0.055)
 MOTOR = pp.servo.CatalogueMotor("short", 0.1, [0.0, 200.0], [100.0, 50.0], [500.0, 400.0])
 
 
@@ -499,6 +506,7 @@ def made():
         pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
         *(guided(), guided().surfaces[0], guided().opened[0], campbell(), campbell().resonances[0]),
         *(pp.ratings.rate(press(), SPEED, CAPACITIES, points=9), pp.ratings.speed_limit(press(), CAPACITIES)),
+        *(drive_choice(), *drive_choice().tried),
         *(rated_pins(), *rated_pins().uses.values(), pp.fe.load_cases(press(), reactions(), "rod")),
         *(stops(), stops().worst, *stops().cases.values(), stops().distance("ANSI B11.19", resolution=0.014)),
         pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
@@ -564,6 +572,8 @@ DESCRIPTIONS = {
     "Elastic",
     "FlexibleLink",
     "Flywheel",
+    "Geared",
+    "InductionMotor",
     "Capacities",
     "Frame",
     "Friction",

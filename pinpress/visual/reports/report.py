@@ -70,7 +70,7 @@ def report(
         before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table also
             shows their ranges.
         results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn next to the
-            process force too, and `MotionRatings`; `PinRatings`, `LinkLoads`, `StoppingTimes` and `SafetyDistance`;
+            process force too, and `MotionRatings`; `PinRatings`, `LinkLoads`, `StoppingTimes` and `SafetyDistance`; `DriveChoice`;
             a `Run` of the press next to this motion; `BalancedPress` and `TradeOffCurve`;
             `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `LoadedGuide`; `ElasticRun`, `ElasticModes`,
             `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `ElasticFrame`, `MountedPress`, `VibrationModes`, `FrameMotion`,

@@ -377,6 +377,16 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "reactions": Late(lambda: every_result.cam_reactions()),
         "name": "eject",
     },
+    "mains.choose_drive": {
+        "motors": {"11 kW": every_result.MAINS},
+        "friction": {},
+        "ratios": [15.0],
+        "flywheels": (0.5, 1.0),
+        "speeds": (9.0, 11.0),
+        "speed_drop": 0.06,
+        "start_time": 10.0,
+    },
+    "mains.read_motors": {"path": FOLDER / "motors.csv"},
     "measures.duty_cycle": {"end": 0.5},
     "measures.poles": {"to": "frame"},
     "measures.workspace": {
