@@ -632,8 +632,16 @@ def _on_one_planet(one: Placed, other: Placed) -> bool:
     return len(apart) == 1 and apart[0] < 1e-3 * sum(one.mesh.radii)
 
 
+def _hand(said: GearMesh, gear: int) -> str:
+    """Hand of the helix of the first (0) or the second (1) gear; empty without one, or with both."""
+    if not said.helix or said.double_helical:
+        return ""
+    same = gear == 0 or said.teeth1 * said.teeth2 < 0
+    return said.hand if same else "left" if said.hand == "right" else "right"
+
+
 def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Placed]) -> None:
-    """Raise a fault of a gear that has two modules, or of planets that do not fit."""
+    """Raise a fault of a gear that has two modules or two hands, or of planets that do not fit."""
     pairs = zip(elements, places, strict=True)
     gears = [(said, each, each.mesh) for said, each in pairs if isinstance(said, GearMesh) and isinstance(each.mesh, Gears)]
     for (other, its, before), (said, each, mesh) in itertools.combinations(gears, 2):
@@ -643,6 +651,11 @@ def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Pla
                 its_own = f"module {1e3 * mesh.module:.6g} mm, in gear mesh {before.name!r} {1e3 * before.module:.6g} mm"
                 remedy = "correct teeth or centre distance: one gear has one module"
                 raise _UnfitError(said, f"gear {mesh.links[i]!r} has {its_own}", remedy)
+            hands = _hand(said, i), _hand(other, j)
+            if mesh.teeth[i] == before.teeth[j] and all(hands) and hands[0] != hands[1]:
+                problem = f"the helix of gear {mesh.links[i]!r} is {hands[0]}, in gear mesh {before.name!r} {hands[1]}"
+                remedy = "correct one hand, that of the first gear: two gears side by side have different hands, a ring that of its pinion"
+                raise _UnfitError(said, problem, remedy)
             ring, sun = sorted((mesh.teeth[1 - i], before.teeth[1 - j]))
             if same and ring < 0 < sun and _on_one_planet(each, its) and (sun - ring) % mesh.planets:
                 problem = f"{mesh.planets} planets do not fit between sun and ring: ({sun} + {-ring})/{mesh.planets} is not whole"

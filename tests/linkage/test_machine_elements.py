@@ -533,6 +533,7 @@ REFUSED = [
     ),
     (LEVER, 'teeth2="20"', 'teeth2="20" carrier="frame"', "link 'frame' does not hold both"),
     (PLANETARY, 'teeth2="-80"', 'teeth2="-90"', "gear 'planet' has module 8.33333 mm, in gear mesh 'sun_pl' 10 mm"),
+    (PLANETARY, "teeth1", 'helix="15" teeth1', "the helix of gear 'planet' is right, in gear mesh 'sun_pl' left; correct one hand"),
     (PLANETARY, 'teeth2="30"', 'teeth2="30" planets="3"', "3 planets do not fit between sun and ring: (20 + 80)/3 is not whole"),
     (ARBOR, 'radius="0.024"', 'radius="24"', "radius is 24 m; a URDF has metres: 0.024 for 24 mm"),
     (ARBOR, ' radius="0.024"', "", "its pinion has no radius; give a radius, or else module and teeth"),
