@@ -15,7 +15,8 @@ import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -24,7 +25,7 @@ from ..common.errors import UrdfError
 from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint, Relation
-from ..engines.contacts import Contact, Planets, Rubbing, UnitWrench
+from ..engines.contacts import ZERO, Contact, Planets, Rubbing, UnitWrench
 from ..engines.pinocchio.equations import cross
 from ..engines.structure import axes, drawn_placements, joints_between
 from .description import MACHINE_ELEMENTS, GearMesh, MachineElement, Rack, Screw, Worm
@@ -46,7 +47,7 @@ class Mesh(Frozen):
 
     Attributes:
         name: of the element.
-        kind: "gears", "rack", "screw" or "worm".
+        kind: "gears", "rack", "screw" or "worm", by the class.
         links: names of its two links, in the order of the element.
         carrier: name of the link in which the pitch point stands still.
         ratio: speed of the second by that of the first link, relative to the carrier: of gears about the same axis [rad/rad], of a worm
@@ -58,8 +59,8 @@ class Mesh(Frozen):
         radii: radii of the pitch circles: two of gears and worms, one of a pinion, none of a screw [m].
     """
 
+    kind: ClassVar[str]
     name: str
-    kind: str
     links: tuple[str, str]
     carrier: str
     ratio: float
@@ -89,6 +90,7 @@ class Gears(Mesh):
         planets: number of equal planets for which the one drawn stands.
     """
 
+    kind = "gears"
     teeth: tuple[int, int]
     module: float
     pressure_angle: float
@@ -112,6 +114,7 @@ class RackAndPinion(Mesh):
         efficiency: power that goes on by the power that rolls through the teeth.
     """
 
+    kind = "rack"
     side: str
     pressure_angle: float
     helix: float
@@ -121,9 +124,18 @@ class RackAndPinion(Mesh):
         yield f"radius {1e3 * self.radii[0]:.6g} mm, pinion {self.side} of the rack"
 
 
-class _Locking(Mesh):
-    """An element that rubs as a wedge does."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Threaded(Mesh):
+    """Two bodies of which one has a thread, which rubs as a wedge does. Efficiencies are those of the thread alone.
 
+    Attributes:
+        lead_angle: of the thread at its mean diameter, of a worm at its pitch circle [rad]; a quarter turn of a screw without a diameter.
+        efficiency: where the screw or worm drives.
+        efficiency_backward: where the nut or wheel drives; 0 or less if it cannot, as the thread locks itself.
+    """
+
+    lead_angle: float
+    efficiency: float
     efficiency_backward: float
 
     @property
@@ -131,53 +143,47 @@ class _Locking(Mesh):
         """Whether the second body cannot drive the first one."""
         return self.efficiency_backward <= 0.0
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ScrewAndNut(_Locking):
-    """A screw and its nut. Efficiencies are those of the thread, without the collar.
-
-    Attributes:
-        lead: travel in one turn [m].
-        lead_angle: of the thread at its mean diameter [rad]; a quarter turn where no diameter is given.
-        friction_angle: in the thread, with its flanks [rad].
-        efficiency: where the screw drives the nut.
-        efficiency_backward: where the nut drives the screw; 0 or less if it cannot, of a screw that locks itself.
-    """
-
-    lead: float
-    lead_angle: float
-    friction_angle: float
-    efficiency: float
-    efficiency_backward: float
-
     def _words(self) -> Iterator[str]:
-        yield f"lead {1e3 * self.lead:.6g} mm, efficiency {self.efficiency:.4g}"
+        yield f"efficiency {self.efficiency:.4g}"
         yield "locks itself" if self.self_locking else f"backward {self.efficiency_backward:.4g}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WormAndWheel(_Locking):
+class ScrewAndNut(Threaded):
+    """A screw and its nut.
+
+    Attributes:
+        lead: travel in one turn [m].
+        friction_angle: in the thread, with its flanks [rad].
+    """
+
+    kind = "screw"
+    lead: float
+    friction_angle: float
+
+    def _words(self) -> Iterator[str]:
+        yield f"lead {1e3 * self.lead:.6g} mm"
+        yield from super()._words()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WormAndWheel(Threaded):
     """A worm and its wheel.
 
     Attributes:
         starts: of the worm.
         teeth: of the wheel.
         module: axial one of the worm [m].
-        lead_angle: of the worm at its pitch circle [rad].
-        efficiency: where the worm drives the wheel.
-        efficiency_backward: where the wheel drives the worm; 0 or less if it cannot, of a worm that locks itself.
     """
 
+    kind = "worm"
     starts: int
     teeth: int
     module: float
-    lead_angle: float
-    efficiency: float
-    efficiency_backward: float
 
     def _words(self) -> Iterator[str]:
-        yield f"starts {self.starts}, teeth {self.teeth}, efficiency {self.efficiency:.4g}"
-        yield "locks itself" if self.self_locking else f"backward {self.efficiency_backward:.4g}"
+        yield f"starts {self.starts}, teeth {self.teeth}"
+        yield from super()._words()
 
 
 class Placed(NamedTuple):
@@ -195,11 +201,7 @@ class Placed(NamedTuple):
 
 
 class _MeshError(Exception):
-    """A problem of an element and its remedy."""
-
-
-class _UnfitError(Exception):
-    """An element that does not fit to others, the problem and its remedy."""
+    """A problem and its remedy; before them the element, if it does not fit to others."""
 
 
 # ------------------------------------------------------------------------------------------------------------- relations and contacts
@@ -221,7 +223,7 @@ def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint], dev
         result = list(_with_planets(elements, result))
         if not deviating:
             _refuse_unfit_teeth(elements, result)
-    except _UnfitError as fault:
+    except _MeshError as fault:
         raise _refusal(document, *fault.args) from None
     return tuple(result)
 
@@ -276,18 +278,23 @@ def contacts_of(elements: Sequence[Placed], relations: Sequence[Relation]) -> tu
     for each in elements:
         k = indices[each.mesh.name]
         by = 1.0 / each.row[relations[k].joint]  # multiplier of the row by the effort on this joint
-        unit, size = each.contact.unit, abs(by)
-        rubbing = tuple(
-            rubs._replace(
-                force=by * rubs.force,
-                couple=by * rubs.couple,
-                push_backward=None if rubs.push_backward is None else size * rubs.push_backward,
-            )
-            for rubs in each.contact.rubbing
-        )
-        unit = UnitWrench(unit.point, by * unit.force, by * unit.couple, size * unit.push)
-        contacts.append(replace(each.contact, relation=k, unit=unit, rubbing=rubbing))
+        contact = _changed(each.contact, partial(np.multiply, by), partial(np.multiply, abs(by)))
+        contacts.append(replace(contact, relation=k))
     return tuple(contacts)
+
+
+def _changed(contact: Contact, change: Callable[[Array], Array], change_push: Callable[[Array], Array]) -> Contact:
+    """A contact with other forces and couples, and other forces that push its bodies apart."""
+    rubbing = tuple(
+        rubs._replace(
+            force=change(rubs.force),
+            couple=change(rubs.couple),
+            push_backward=None if rubs.push_backward is None else change_push(rubs.push_backward),
+        )
+        for rubs in contact.rubbing
+    )
+    point, force, couple, push = contact.unit
+    return replace(contact, unit=UnitWrench(point, change(force), change(couple), change_push(push)), rubbing=rubbing)
 
 
 def _matched(choices: Sequence[Sequence[int]]) -> dict[int, int]:
@@ -394,7 +401,8 @@ class _Drawing:
         if wanted is not None and not found:
             away, nearest = min(((float(np.linalg.norm(point - wanted)), pin_.name) for point, _, pin_ in own), default=(0.0, ""))
             near = f"{nearest!r} is {1e3 * away:.4g} mm away" if nearest else "it has none at all"
-            problem = f"no pin of link {link!r} is at the centre {_numbers(at or ())} of its gear: {near}"
+            centre = ", ".join(f"{value:.6g}" for value in at or ())
+            problem = f"no pin of link {link!r} is at the centre ({centre}) of its gear: {near}"
             raise _MeshError(problem, "give the place of one of its pins, in the axes of the link")
         return found
 
@@ -448,10 +456,6 @@ def _across(axis: Array, other: Array) -> float:
     return math.hypot(*cross(axis, other))
 
 
-def _numbers(values: Sequence[float] | Array) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
-
-
 def _sum(*parts: tuple[float, Mapping[int, float]]) -> dict[int, float]:
     """The sum of rows, each with its factor, without zeros."""
     total: dict[int, float] = {}
@@ -472,7 +476,7 @@ class _Shafts(NamedTuple):
     centres: tuple[Array, Array]
     axes: tuple[Array, Array]
     own: tuple[Array, Array]
-    first_is_planet: bool
+    first_is_planet: bool = False
 
 
 def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequence[list[_Centre]], crossed: bool) -> _Shafts:
@@ -529,7 +533,8 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
     """Two gears."""
     links, z1, z2 = (said.gear1, said.gear2), said.teeth1, said.teeth2
     at = [drawing.centres(said.gear1, said.center1), drawing.centres(said.gear2, said.center2)]
-    carrier, (c1, c2), (axis, _), own, first_is_planet = _shafts(drawing, links, said.carrier, at, crossed=False)
+    shafts = _shafts(drawing, links, said.carrier, at, crossed=False)
+    carrier, (c1, c2), (axis, _) = shafts[:3]
     bodies = drawing.body(said.gear1), drawing.body(said.gear2)
     between = c2 - c1 - ((c2 - c1) @ axis) * axis
     distance = float(np.linalg.norm(between))
@@ -555,24 +560,14 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
     push = size * math.tan(pressure) * (-to_external if z1 > 0 else to_external)
     force = tangential + (tangential @ across) * thrust * axis
     arm = (1.0 - said.efficiency) * abs(r1 * z2 / (z1 + z2))
-    frame = drawing.places[carrier]
-    rubbing = (Rubbing(*bodies, np.zeros(3), size * (frame.rotation.T @ axis), arm, arm),) if arm else ()
+    rubbing = (Rubbing(*bodies, ZERO, size * axis, arm, arm),) if arm else ()
     row = _sum((z1, drawing.turn(carrier, bodies[0], axis, "gear 1")), (z2, drawing.turn(carrier, bodies[1], axis, "gear 2")))
-    unit = UnitWrench(frame.actInv(point), frame.rotation.T @ force, np.zeros(3), frame.rotation.T @ push)
-    planet, pin_of, center = (bodies[0], c1, c2) if first_is_planet else (bodies[1], c2, c1)
-    planets = Planets(round(said.planets), planet, frame.actInv(pin_of), frame.actInv(center), frame.rotation.T @ axis)
-    contact = Contact(said.name, "gears", -1, *bodies, carrier, unit, rubbing, planets)
-    mesh = Gears(
-        *_common(drawing, said.name, "gears", links, carrier, said.carrier, -z1 / z2, point, own, (axis, axis), (c1, c2)),
-        radii=(abs(r1), abs(distance - r1)),
-        teeth=(round(z1), round(z2)),
-        module=module,
-        pressure_angle=pressure,
-        helix=helix,
-        efficiency=said.efficiency,
-        planets=round(said.planets),
-    )
-    return Placed(mesh, row, contact)
+    planet, pin_of, center = (bodies[0], c1, c2) if shafts.first_is_planet else (bodies[1], c2, c1)
+    unit, count = UnitWrench(point, force, ZERO, push), round(said.planets)
+    teeth: dict[str, Any] = {"teeth": (round(z1), round(z2)), "module": module, "pressure_angle": pressure, "helix": helix}
+    teeth |= {"links": links, "ratio": -z1 / z2, "radii": (abs(r1), abs(distance - r1)), "efficiency": said.efficiency, "planets": count}
+    planets = Planets(count, planet, pin_of, center, axis)
+    return _element(drawing, said, Gears, shafts, row, unit, rubbing, teeth, planets)
 
 
 def _wrong_distance(module: float, nominal: float, drawn: float) -> tuple[str, str]:
@@ -581,25 +576,34 @@ def _wrong_distance(module: float, nominal: float, drawn: float) -> tuple[str, s
     return problem, "correct the module, the teeth or the pins; without a module it follows from the pins"
 
 
-def _common(
+def _element(
     drawing: _Drawing,
-    name: str,
-    kind: str,
-    links: tuple[str, str],
-    carrier: int,
-    named: str,
-    ratio: float,
-    point: Array,
-    own: tuple[Array, Array],
-    directions: tuple[Array, Array],
-    held: tuple[Array, Array],
-) -> tuple[str, str, tuple[str, str], str, float, Array, Array, Array, Array]:
-    """The first attributes of a `Mesh`, from points and directions in the world; ``named``: the carrier's link, if it has a name."""
-    link = named or drawing.link(carrier)
-    frames = [drawing.place(each) for each in links]
-    centres = np.array([frame.actInv(each) for frame, each in zip(frames, own, strict=True)])
-    axes = np.array([frame.rotation.T @ each for frame, each in zip(frames, directions, strict=True)])
-    return name, kind, links, link, float(ratio), drawing.place(link).actInv(point), centres, axes, np.array(held)
+    said: MachineElement,
+    kind: type[Mesh],
+    shafts: _Shafts,
+    row: Mapping[int, float],
+    unit: UnitWrench,
+    rubbing: Sequence[Rubbing],
+    attributes: Mapping[str, Any],
+    planets: Planets | None = None,
+) -> Placed:
+    """An element from points and directions in the world as drawn; ``attributes``: those of its mesh that the drawing does not say."""
+    carrier, held, axes, points, _ = shafts
+    links, link = attributes["links"], getattr(said, "carrier", "") or drawing.link(carrier)
+    frames, frame = [drawing.place(name) for name in links], drawing.places[carrier]
+    centres = np.array([place.actInv(point) for place, point in zip(frames, points, strict=True)])
+    directions = np.array([place.rotation.T @ axis for place, axis in zip(frames, axes, strict=True)])
+    touching = drawing.place(link).actInv(unit.point)
+    mesh = kind(said.name, carrier=link, pitch_point=touching, centres=centres, axes=directions, held=np.array(held), **attributes)
+
+    def turned(vector: Array) -> Array:
+        return np.asarray(frame.rotation.T @ vector)
+
+    if planets is not None:
+        planets = planets._replace(pin=frame.actInv(planets.pin), center=frame.actInv(planets.center), axis=turned(planets.axis))
+    unit, (first, second) = unit._replace(point=frame.actInv(unit.point)), map(drawing.body, links)
+    contact = Contact(said.name, kind.kind, -1, first, second, carrier, unit, tuple(rubbing), planets)
+    return Placed(mesh, row, _changed(contact, turned, turned))
 
 
 def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) -> Iterator[Placed]:
@@ -610,7 +614,7 @@ def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) 
             number = max(its.mesh.planets for its in (each, *others) if isinstance(its.mesh, Gears))
             if each.mesh.planets not in (1, number):
                 problem = f"planets is {each.mesh.planets}, and {number} at the planet's other mesh"
-                raise _UnfitError(said, problem, "write the same number in both")
+                raise _MeshError(said, problem, "write the same number in both")
             drawn = each.contact.planets._replace(number=number)
             if any(drawn.planet not in (its.contact.first, its.contact.second) for its in others):
                 planet = each.contact.first if drawn.planet == each.contact.second else each.contact.second
@@ -650,16 +654,16 @@ def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Pla
             if same and abs(mesh.module - before.module) > 1e-6 * before.module:
                 its_own = f"module {1e3 * mesh.module:.6g} mm, in gear mesh {before.name!r} {1e3 * before.module:.6g} mm"
                 remedy = "correct teeth or centre distance: one gear has one module"
-                raise _UnfitError(said, f"gear {mesh.links[i]!r} has {its_own}", remedy)
+                raise _MeshError(said, f"gear {mesh.links[i]!r} has {its_own}", remedy)
             hands = _hand(said, i), _hand(other, j)
             if mesh.teeth[i] == before.teeth[j] and all(hands) and hands[0] != hands[1]:
                 problem = f"the helix of gear {mesh.links[i]!r} is {hands[0]}, in gear mesh {before.name!r} {hands[1]}"
                 remedy = "correct one hand, that of the first gear: two gears side by side have different hands, a ring that of its pinion"
-                raise _UnfitError(said, problem, remedy)
+                raise _MeshError(said, problem, remedy)
             ring, sun = sorted((mesh.teeth[1 - i], before.teeth[1 - j]))
             if same and ring < 0 < sun and _on_one_planet(each, its) and (sun - ring) % mesh.planets:
                 problem = f"{mesh.planets} planets do not fit between sun and ring: ({sun} + {-ring})/{mesh.planets} is not whole"
-                raise _UnfitError(said, problem, "change teeth or planets")
+                raise _MeshError(said, problem, "change teeth or planets")
 
 
 # ------------------------------------------------------------------------------------------------------------- racks, screws, worms
@@ -667,8 +671,7 @@ def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Pla
 
 def _rack(said: Rack, drawing: _Drawing) -> Placed:
     """A pinion and its rack."""
-    links = said.pinion, said.rack
-    bodies = pinion, rack = drawing.body(said.pinion), drawing.body(said.rack)
+    pinion, rack = drawing.body(said.pinion), drawing.body(said.rack)
     wanted = drawing.body(said.carrier) if said.carrier else None
     centres = drawing.centres(said.pinion)
     able = [(centre, body) for centre in centres for body in centre.holders if body != pinion and wanted in (None, body)]
@@ -699,24 +702,20 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
     point = middle + radius * outward
     pressure = math.atan(math.tan(math.radians(said.pressure_angle)) / math.cos(helix))
     force = guide - hand * way * math.tan(helix) * axis
-    frame = drawing.places[carrier]
-    in_frame = frame.rotation.T
     arm = (1.0 - said.efficiency) * radius
-    rubbing = (Rubbing(pinion, rack, np.zeros(3), in_frame @ axis, arm, arm),) if arm else ()
+    rubbing = (Rubbing(pinion, rack, ZERO, axis, arm, arm),) if arm else ()
     row = _sum((1.0, drawing.way(carrier, rack, guide)), (-way * radius, drawing.turn(carrier, pinion, axis, "the pinion")))
-    unit = UnitWrench(frame.actInv(point), frame.rotation.T @ force, np.zeros(3), frame.rotation.T @ (math.tan(pressure) * outward))
-    shown = _common(
-        drawing, said.name, "rack", links, carrier, said.carrier, way * radius, point, (centre.point, point), (axis, guide), (middle, point)
-    )
-    mesh = RackAndPinion(*shown, (radius,), side, pressure, helix, said.efficiency)
-    return Placed(mesh, row, Contact(said.name, "rack", -1, *bodies, carrier, unit, rubbing))
+    shafts = _Shafts(carrier, (middle, point), (axis, guide), (centre.point, point))
+    unit = UnitWrench(point, force, ZERO, math.tan(pressure) * outward)
+    teeth: dict[str, Any] = {"side": side, "pressure_angle": pressure, "helix": helix, "efficiency": said.efficiency}
+    teeth |= {"links": (said.pinion, said.rack), "ratio": way * radius, "radii": (radius,)}
+    return _element(drawing, said, RackAndPinion, shafts, row, unit, rubbing, teeth)
 
 
 def _screw(said: Screw, drawing: _Drawing) -> Placed:
     """A screw and its nut."""
-    links = said.screw, said.nut
-    bodies = screw, nut = drawing.body(said.screw), drawing.body(said.nut)
-    between = joints_between(drawing.parents, screw - 1, nut - 1)
+    screw, nut = drawing.body(said.screw), drawing.body(said.nut)
+    between = joints_between(drawing.parents, screw - 1, nut - 1)  # the first of them stands on the carrier
     turning = [joint for joint in between if drawing.axes[joint].turns]
     sliding = [joint for joint in between if not drawing.axes[joint].turns]
     if len(turning) != 1 or len(sliding) != 1:
@@ -734,11 +733,9 @@ def _screw(said: Screw, drawing: _Drawing) -> Placed:
     ends = drawing.parents[joint] + 1, joint + 1
     turns = screw if screw in ends else nut
     holder = ends[1 - ends.index(turns)] if turns in ends else ends[0]
-    carrier = _apex(drawing.parents, screw, nut)
-    frame, origin = drawing.places[carrier], drawing.places[joint + 1].translation
+    origin = drawing.places[joint + 1].translation
     point = origin + ((drawing.place(said.nut).translation - origin) @ axis) * axis
-    inward = frame.rotation.T @ axis
-    driving = math.copysign(1.0, per_radian) * inward  # so that a positive effort at a positive speed is the screw that drives
+    driving = math.copysign(1.0, per_radian) * axis  # so that a positive effort at a positive speed is the screw that drives
     lead, rho = _thread(said)
     if said.friction and lead + rho >= 0.5 * math.pi:
         raise _MeshError("its thread is so steep that friction locks it where the screw drives", "correct lead, diameter or friction")
@@ -746,17 +743,23 @@ def _screw(said: Screw, drawing: _Drawing) -> Placed:
     half = 0.5 * said.diameter
     rubbing = []
     if said.friction:
-        rubbing.append(Rubbing(screw, nut, np.zeros(3), driving, half * (forward - math.tan(lead)), half * (math.tan(lead) - backward)))
+        rubbing.append(Rubbing(screw, nut, ZERO, driving, half * (forward - math.tan(lead)), half * (math.tan(lead) - backward)))
     if said.collar_friction:
         arm = 0.5 * said.collar_friction * said.collar_diameter
-        rubbing.append(Rubbing(turns, holder, np.zeros(3), inward, arm, arm))
-    angle = {joint: between[joint]}
-    row = _sum((1.0, drawing.way(screw, nut, axis)), (-per_radian, angle))
-    unit = UnitWrench(frame.actInv(point), inward, -per_radian * inward, np.zeros(3))
-    shown = _common(drawing, said.name, "screw", links, carrier, "", -per_radian, point, (origin, point), (axis, axis), (origin, point))
+        rubbing.append(Rubbing(turns, holder, ZERO, axis, arm, arm))
+    row = _sum((1.0, drawing.way(screw, nut, axis)), (-per_radian, {joint: between[joint]}))
+    shafts = _Shafts(drawing.parents[min(between)] + 1, (origin, point), (axis, axis), (origin, point))
+    unit = UnitWrench(point, axis, -per_radian * axis)
     efficiency, back = (math.tan(lead) / forward, backward / math.tan(lead)) if said.friction else (1.0, 1.0)
-    mesh = ScrewAndNut(*shown, (), said.lead, lead, rho, efficiency, back)
-    return Placed(mesh, row, Contact(said.name, "screw", -1, *bodies, carrier, unit, tuple(rubbing)))
+    thread: dict[str, Any] = {
+        "lead": said.lead,
+        "lead_angle": lead,
+        "friction_angle": rho,
+        "efficiency": efficiency,
+        "efficiency_backward": back,
+    }
+    thread |= {"links": (said.screw, said.nut), "ratio": -per_radian, "radii": ()}
+    return _element(drawing, said, ScrewAndNut, shafts, row, unit, rubbing, thread)
 
 
 def _thread(said: Screw) -> tuple[float, float]:
@@ -766,23 +769,13 @@ def _thread(said: Screw) -> tuple[float, float]:
     return lead, math.atan(said.friction / math.cos(flank))
 
 
-def _apex(parents: Sequence[int], one: int, other: int) -> int:
-    """The body that carries two others, which may be one of them."""
-    above = {0}
-    while one:
-        above.add(one)
-        one = parents[one - 1] + 1
-    while other not in above:
-        other = parents[other - 1] + 1
-    return other
-
-
 def _worm(said: Worm, drawing: _Drawing) -> Placed:
     """A worm and its wheel."""
     links = said.worm, said.wheel
     bodies = drawing.body(said.worm), drawing.body(said.wheel)
     at = [drawing.centres(link) for link in links]
-    carrier, (c1, c2), (axis1, axis2), own, _ = _shafts(drawing, links, said.carrier, at, crossed=True)
+    shafts = _shafts(drawing, links, said.carrier, at, crossed=True)
+    carrier, (c1, c2), (axis1, axis2) = shafts[:3]
     along = cross(axis1, axis2)
     along *= math.copysign(1.0, (c2 - c1) @ along)
     distance = float((c2 - c1) @ along)
@@ -812,21 +805,19 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
         return (math.cos(normal) * math.sin(lead) + friction * math.cos(lead)) / d, math.sin(normal) / d
 
     (forward, push), (backward, push_back) = across(said.friction), across(-said.friction)
-    frame, ideal = drawing.places[carrier], math.tan(lead)
-    in_frame = frame.rotation.T
-    force = by_wheel * (axis1 - hand * ideal * around)
+    ideal = math.tan(lead)
     rubbing: tuple[Rubbing, ...] = ()
     if said.friction:
-        shares = forward - ideal, ideal - backward
-        driving = hand * by_wheel * (in_frame @ around)  # so that a positive effort at a positive speed is the worm that drives
-        rubbing = (Rubbing(*bodies, driving, np.zeros(3), *shares, by_wheel * push_back * (in_frame @ along)),)
+        driving = hand * by_wheel * around  # so that a positive effort at a positive speed is the worm that drives
+        rubbing = (Rubbing(*bodies, driving, ZERO, forward - ideal, ideal - backward, by_wheel * push_back * along),)
     row = _sum(
         (hand * z1, drawing.turn(carrier, bodies[0], axis1, "the worm")), (wheel * z2, drawing.turn(carrier, bodies[1], axis2, "the wheel"))
     )
-    unit = UnitWrench(frame.actInv(point), in_frame @ force, np.zeros(3), by_wheel * push * (in_frame @ along))
-    shown = _common(drawing, said.name, "worm", links, carrier, said.carrier, -hand * wheel * z1 / z2, point, own, (axis1, axis2), (c1, c2))
-    mesh = WormAndWheel(*shown, (r1, r2), round(z1), round(z2), module, lead, ideal / forward, backward / ideal)
-    return Placed(mesh, row, Contact(said.name, "worm", -1, *bodies, carrier, unit, rubbing))
+    unit = UnitWrench(point, by_wheel * (axis1 - hand * ideal * around), ZERO, by_wheel * push * along)
+    teeth: dict[str, Any] = {"links": links, "ratio": -hand * wheel * z1 / z2, "radii": (r1, r2), "lead_angle": lead}
+    teeth |= {"efficiency": ideal / forward, "efficiency_backward": backward / ideal}
+    teeth |= {"starts": round(z1), "teeth": round(z2), "module": module}
+    return _element(drawing, said, WormAndWheel, shafts, row, unit, rubbing, teeth)
 
 
 _PLACES: dict[type[MachineElement], Callable[..., Placed]] = {GearMesh: _gears, Rack: _rack, Screw: _screw, Worm: _worm}
