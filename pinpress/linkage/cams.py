@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
@@ -16,76 +16,18 @@ from ..engines.constraints import Curve, Relation
 from ..engines.contacts import ZERO, UnitWrench
 from ..engines.machine_elements.cams import CamContact, CamLaw, CamPoint, law_problem
 from ..engines.structure import axes
+from .description import Cam, Description, Joint
+from .document import Document
 from .element import Element
 
 if TYPE_CHECKING:
     from .checks.grammar import Problem
-    from .description import Description, Joint, Point
-    from .document import Document
 
 KINDS = ("open", "groove")
 STEEPEST = {"guide": 30.0, "arm": 45.0}  # pressure angle above which a follower may jam [deg]
 IN_PLANE = 1e-6  # sine of an angle up to which a direction counts as drawn right: files round them to some six digits
 ROUNDED = 1e-9  # share of the largest lift that is rounding
 DRAWN = 1e-3  # share of the radius by which the drawn roller may be away from where the law has it: drawings are rounded
-
-
-@dataclass(frozen=True)
-class Cam:
-    """A ``<cam>``: a cam and the follower that its roller moves, named by their links. Attributes are those of the element.
-
-    One link carries the axis of the cam, and guides the follower or carries the pivot of its arm. ``radius`` is the distance of the
-    roller's centre from the axis of the cam at the lift 0 [m], ``offset`` that of the guide, positive to the right with the lift upwards
-    and positive angles of the cam counter-clockwise [m]; ``arm`` the length from the pivot to the roller's centre [m]. In place of offset
-    or arm, ``center`` may be the roller's centre in the frame of the follower's link [m]; the lift then leads away from the cam, else along
-    the follower's coordinate. ``drawn_at`` is the angle of the law in the drawn pose [deg].
-
-    ``points`` are ``<point>`` elements, the law over a turn, or ``<row>`` elements, a table of lifts: ``angle`` [deg], ``lift`` [m; of an
-    arm deg], ``law`` of the piece that leads to the point, or ``slope`` and ``bend``, the derivatives of the lift by the angle in rad.
-    """
-
-    name: str
-    cam: str
-    follower: str
-    radius: float
-    roller_radius: float
-    roller_width: float
-    offset: float | None = None
-    arm: float | None = None
-    center: Point | None = None
-    kind: str = "open"
-    drawn_at: float | None = None
-    points: tuple[CamPoint, ...] = ()
-    tabulated: bool = False
-    line: int = 0
-
-
-def cam_of(element: Element) -> Cam:
-    """What a ``<cam>`` says; its points are in the units of the file."""
-    offset, arm, drawn_at = (next(iter(element.numbers(name)), None) for name in ("offset", "arm", "drawn_at"))
-    center = element.numbers("center")
-    points = []
-    for point in element.all("point", "row"):
-        slope, bend = (next(iter(point.numbers(name)), None) for name in ("slope", "bend"))
-        points.append(CamPoint(point.number("angle", 0.0), point.number("lift", 0.0), point.get("law"), slope, bend))
-    name, cam, follower = (element.get(each) for each in ("name", "cam", "follower"))
-    radius, roller_radius, roller_width = (element.number(each, 0.0) for each in ("radius", "roller_radius", "roller_width"))
-    return Cam(
-        name,
-        cam,
-        follower,
-        radius,
-        roller_radius,
-        roller_width,
-        offset,
-        arm,
-        (center[0], center[1], center[2]) if center else None,
-        element.get("kind") or KINDS[0],
-        drawn_at,
-        tuple(points),
-        bool(element.all("row")),
-        element.line,
-    )
 
 
 def problems(robot: Element, description: Description) -> Iterator[Problem]:

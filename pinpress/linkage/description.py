@@ -15,7 +15,7 @@ from typing import Any
 from ..common.arguments import LARGEST
 from ..common.parameters import Checked, parameter
 from ..common.quantities import Values
-from .cams import Cam, cam_of
+from ..engines.machine_elements.cams import CamPoint
 from .element import Element
 
 # Limits of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
@@ -208,6 +208,36 @@ class Worm:
     line: int = 0
 
 
+@dataclass(frozen=True)
+class Cam:
+    """A ``<cam>``: a cam and the follower that its roller moves, named by their links.
+
+    One link carries the axis of the cam, and guides the follower or carries the pivot of its arm. ``radius`` is the distance of the
+    roller's centre from the axis of the cam at the lift 0 [m], ``offset`` that of the guide, positive to the right with the lift upwards
+    and positive angles of the cam counter-clockwise [m]; ``arm`` the length from the pivot to the roller's centre [m]. In place of offset
+    or arm, ``center`` may be the roller's centre in the frame of the follower's link [m]; the lift then leads away from the cam, else along
+    the follower's coordinate. ``drawn_at`` is the angle of the law in the drawn pose [deg].
+
+    ``points`` are ``<point>`` elements, the law over a turn, or ``<row>`` elements, a table of lifts: ``angle`` [deg], ``lift`` [m; of an
+    arm deg], ``law`` of the piece that leads to the point, or ``slope`` and ``bend``, the derivatives of the lift by the angle in rad.
+    """
+
+    name: str
+    cam: str
+    follower: str
+    radius: float
+    roller_radius: float
+    roller_width: float
+    offset: float | None = None
+    arm: float | None = None
+    center: Point | None = None
+    kind: str = "open"
+    drawn_at: float | None = None
+    points: tuple[CamPoint, ...] = ()
+    tabulated: bool = False
+    line: int = 0
+
+
 MachineElement = GearMesh | Rack | Screw | Worm
 MACHINE_ELEMENTS: dict[str, type[MachineElement]] = {"gear_mesh": GearMesh, "rack": Rack, "screw": Screw, "worm": Worm}
 """What the elements of teeth and threads are, by their tags."""
@@ -324,8 +354,8 @@ def describe(robot: Element) -> Description:
     armature = {element.get("joint"): element.number("inertia", 0.0) for element in robot.all("armature")}
     relations = tuple(_relation(relation) for relation in robot.all("relation"))
     home = {joint.get("name"): joint.number("position", 0.0) for home in robot.all("home") for joint in home.all("joint")}
-    elements = tuple(machine_element(element) for element in robot.all(*MACHINE_ELEMENTS))
-    cams = tuple(cam_of(element) for element in robot.all("cam"))
+    elements = tuple(_contents(element, MACHINE_ELEMENTS[element.tag]) for element in robot.all(*MACHINE_ELEMENTS))
+    cams = tuple(map(_cam, robot.all("cam")))
     return Description(robot.get("name"), links, joints, loops, drivers, springs, armature, relations, home, elements, cams)
 
 
@@ -372,23 +402,33 @@ def _relation(relation: Element) -> Relation:
     return Relation(name, tuple(joint.get("name") for joint in joints), coefficients, offset, relation.line)
 
 
-def machine_element(element: Element) -> MachineElement:
-    """What an element of teeth or threads says, attribute by attribute."""
-    kind = MACHINE_ELEMENTS[element.tag]
-    said: dict[str, Any] = {}
+def _contents(element: Element, kind: type, **contents: Any) -> Any:
+    """What an element says, read by the types of the fields of a class; ``contents``: fields that are no attributes."""
     for each in fields(kind):
         default = None if each.default is MISSING else each.default
         if each.name == "line":
-            said[each.name] = element.line
-        elif each.name.startswith("center"):
-            said[each.name] = element.numbers(each.name) or None
-        elif isinstance(default, bool):
-            said[each.name] = element.get(each.name).lower() == "true"
-        elif each.type in ("float", float):
-            said[each.name] = element.number(each.name, 0.0 if default is None else default)
-        else:
-            said[each.name] = element.get(each.name) or default or ""
-    return kind(**said)
+            contents["line"] = element.line
+        elif each.type.startswith("Point"):
+            contents[each.name] = element.numbers(each.name) or None
+        elif each.type.startswith("float"):
+            contents[each.name] = element.number(each.name, 0.0 if each.default is MISSING else default)
+        elif each.type == "bool" and each.name not in contents:
+            contents[each.name] = element.get(each.name).lower() == "true"
+        elif each.type == "str":
+            contents[each.name] = element.get(each.name) or default or ""
+    return kind(**contents)
+
+
+def _cam(element: Element) -> Cam:
+    """A cam; its points are in the units of the file."""
+    points = (
+        CamPoint(
+            each.number("angle", 0.0), each.number("lift", 0.0), each.get("law"), each.number("slope", None), each.number("bend", None)
+        )
+        for each in element.all("point", "row")
+    )
+    cam: Cam = _contents(element, Cam, points=tuple(points), tabulated=bool(element.all("row")))
+    return cam
 
 
 def _loop(loop: Element) -> Loop:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from typing import TypeVar
 from xml.parsers import expat
 
 from ..common.errors import UrdfError, shown
@@ -28,6 +29,9 @@ _TEXTS = ("link", "joint", "filename", "name", "type", "version", "independent",
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4, "center": 3, "center1": 3, "center2": 3}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+
+_Default = TypeVar("_Default", float, None)
 
 
 class Element:
@@ -64,7 +68,7 @@ class Element:
         """The numbers of an attribute; none if it is missing or has a `fault`."""
         return () if name not in self.attributes or self.fault(name) else tuple(map(float, self.get(name).split()))
 
-    def number(self, name: str, default: float) -> float:
+    def number(self, name: str, default: _Default) -> float | _Default:
         """The number of an attribute; the default where it is missing or has a `fault`."""
         return next(iter(self.numbers(name)), default)
 

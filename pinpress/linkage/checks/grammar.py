@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...common.arguments import LARGEST
 from ...common.errors import shown, suggestion
-from ..description import MACHINE_ELEMENTS
+from ..description import MACHINE_ELEMENTS, Cam
 from ..document import Finding
 from ..element import Element
 
@@ -29,8 +29,9 @@ class _Rule(NamedTuple):
 
 
 def _attributes(kind: type) -> str:
-    """Attributes of an element of teeth or threads; those with a default may be missing."""
-    return " ".join(f"{each.name}{'' if each.default is MISSING else '?'}" for each in fields(kind) if each.name not in ("line", "name"))
+    """Attributes of a machine element; the name and those with a default may be missing."""
+    names = (each.name if each.default is MISSING and each.name != "name" else f"{each.name}?" for each in fields(kind))
+    return " ".join(name for name in names if name not in ("line?", "points?", "tabulated?"))
 
 
 _RULES = {
@@ -59,8 +60,8 @@ _RULES = {
     "armature": _Rule("joint inertia"),
     "relation": _Rule("name? offset?", "joint*"),
     "relation joint": _Rule("name coefficient?"),
-    **{tag: _Rule(f"name? {_attributes(kind)}") for tag, kind in MACHINE_ELEMENTS.items()},
-    "cam": _Rule("name? cam follower radius roller_radius roller_width offset? arm? center? kind? drawn_at?", "point* row*"),
+    **{tag: _Rule(_attributes(kind)) for tag, kind in MACHINE_ELEMENTS.items()},
+    "cam": _Rule(_attributes(Cam), "point* row*"),
     "point": _Rule("angle lift law?"),
     "row": _Rule("angle lift slope? bend?"),
     "inertial": _Rule("", "origin? mass inertia", "warning"),
@@ -114,8 +115,8 @@ _QUANTITIES = (
     "damping",
     "position",
     "inertia",
-    *("roller_radius", "roller_width", "arm", "center", "drawn_at", "angle", "lift", "slope", "bend"),
-    *(each.name for kind in MACHINE_ELEMENTS.values() for each in fields(kind) if each.type == "float" or each.name.startswith("center")),
+    *("angle", "lift", "slope", "bend"),
+    *(each.name for kind in (*MACHINE_ELEMENTS.values(), Cam) for each in fields(kind) if each.type.startswith(("float", "Point"))),
 )
 
 
