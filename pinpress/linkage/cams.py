@@ -1,109 +1,26 @@
-"""Cams of a URDF, ``<cam>``: what the element says, the relation of its two joints, and the contact of the cam with the roller."""
+"""Cams of a URDF in the drawing: the relation of the joints of cam and follower, and the contact of the cam with the roller."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import pinocchio as pin
 
-from ..common.errors import UrdfError, suggestion
+from ..common.errors import UrdfError
 from ..common.quantities import Array
 from ..engines.constraints import Curve, Relation
 from ..engines.contacts import ZERO, UnitWrench
-from ..engines.machine_elements.cams import CamContact, CamLaw, CamPoint, law_problem
+from ..engines.machine_elements.cams import CamContact, CamLaw, CamPoint
 from ..engines.structure import axes
-from .description import Cam, Description, Joint
+from .description import Cam
 from .document import Document
-from .element import Element
 
-if TYPE_CHECKING:
-    from .checks.grammar import Problem
-
-KINDS = ("open", "groove")
-STEEPEST = {"guide": 30.0, "arm": 45.0}  # pressure angle above which a follower may jam [deg]
 IN_PLANE = 1e-6  # sine of an angle up to which a direction counts as drawn right: files round them to some six digits
-ROUNDED = 1e-9  # share of the largest lift that is rounding
 DRAWN = 1e-3  # share of the radius by which the drawn roller may be away from where the law has it: drawings are rounded
-
-
-def problems(robot: Element, description: Description) -> Iterator[Problem]:
-    """Problems of cams that their elements show without the drawing."""
-    moved: set[str] = set()
-    for element, cam in zip(robot.all("cam"), description.cams, strict=True):
-        links = [link for link in (cam.cam, cam.follower) if link]
-        unknown = [link for link in links if link not in description.links]
-        standing = [link for link in links if link in description.links and not description.moves(link)]
-        for link in unknown:
-            yield element, f"no link {link!r}{suggestion(link, description.links)}", "name a link of this press"
-        for link in standing:
-            yield element, f"link {link!r} does not move", "name a cam that turns, and a follower that a guide or a pivot carries"
-        if len(links) == 2 and not unknown and not standing:
-            turning, following = (description.carriers[description.bodies[link]] for link in links)
-            yield from ((element, *said) for said in _joint_problems(cam, turning, following, description, following.name in moved))
-            guided = following.type == "prismatic"
-            yield from ((element, *said) for said in _number_problems(element, cam, guided))
-            yield from ((element, *said) for said in _law_problems(element, cam, guided))
-            moved.add(following.name)
-
-
-def _joint_problems(cam: Cam, turning: Joint, following: Joint, description: Description, moved: bool) -> Iterator[tuple[str, str]]:
-    if turning.name == following.name:
-        yield "cam and follower are one body", "name two links that move against each other"
-        return
-    if turning.type not in ("revolute", "continuous"):
-        yield f"the cam {cam.cam!r} does not turn: joint {turning.name!r} is {turning.type}", "name a link that a pin carries"
-    carriers = [description.bodies[joint.parent] for joint in (turning, following)]
-    if carriers[0] != carriers[1]:
-        apart = f"{carriers[0]!r} carries the cam {cam.cam!r}, and {carriers[1]!r} the follower {cam.follower!r}"
-        yield apart, "name a cam and a follower that one link carries"
-    rivals = [f"relation {each.name!r} moves it" for each in description.relations if each.joints[:1] == (following.name,)]
-    rivals += ["it is geared"] if following.mimic else []
-    rivals += ["it is driven"] if following.name in description.drivers else []
-    rivals += ["another cam moves it"] if moved else []
-    if rivals:
-        problem = f"joint {following.name!r} of the follower obeys the cam, and {' and '.join(rivals)}"
-        yield problem, "remove one of them"
-
-
-def _law_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple[str, str]]:
-    points = _points(cam, not guided)
-    if element.all("point") and element.all("row"):
-        yield "has points of a law and rows of a table", "write one of both"
-    elif said := law_problem(points, cam.tabulated, "m" if guided else "rad"):
-        yield said
-    elif not cam.center and cam.drawn_at is None:
-        lift = float(CamLaw(points, cam.tabulated)(np.zeros(1))[0][0])
-        if abs(lift) > ROUNDED * max(abs(point.lift) for point in points):
-            shown = f"{lift:.6g} m" if guided else f"{math.degrees(lift):.6g} deg"
-            problem = f"its law has the lift {shown} at 0 deg, in the drawn pose, and the coordinate of the follower is 0 there"
-            yield problem, "draw the press where the lift is 0, or write the angle of the law at which it is drawn: drawn_at"
-
-
-def _number_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple[str, str]]:
-    for name in ("radius", "roller_radius", "roller_width"):
-        if name in element.attributes and not element.fault(name) and not element.number(name, 1.0) > 0.0:
-            yield f"{name} is {element.get(name)}", "write a length above 0"
-    if cam.kind not in KINDS:
-        yield f"unknown kind {cam.kind!r}{suggestion(cam.kind, KINDS)}", f"write one of: {', '.join(KINDS)}"
-    if cam.center and (cam.offset is not None or cam.arm is not None):
-        yield "the centre of its roller is given twice", "keep its drawn centre, or else offset or arm"
-    if guided and cam.arm is not None:
-        yield "its follower is in a guide and has no arm", "write offset, the distance of the guide from the axis of the cam"
-    if not guided and cam.offset is not None:
-        yield "its follower is on an arm and has no offset", "write arm, the length from its pivot to the centre of the roller"
-    if not guided and cam.arm is None and not cam.center:
-        yield "its follower turns, and nothing says how long its arm is", "write arm, the length from its pivot to the centre of the roller"
-    if cam.arm is not None and not cam.arm > 0.0:
-        yield f"arm is {cam.arm:g}", "write a length above 0"
-    if guided and abs(cam.offset or 0.0) >= cam.radius > 0.0:
-        problem = (
-            f"its radius is {cam.radius:g} m, not more than the offset {abs(cam.offset or 0.0):g} m: the roller does not reach the cam"
-        )
-        yield problem, "write a larger radius or a smaller offset"
 
 
 def relation(cam: Cam, document: Document, model: pin.Model) -> Relation:
@@ -116,8 +33,8 @@ def relation(cam: Cam, document: Document, model: pin.Model) -> Relation:
     drawn = _geometry(cam, document, model)
     _refuse_unreached(cam, document, drawn)
     sense = drawn["sense"]
-    points = _points(cam, bool(axes(model)[following].turns))
-    signed = ((point, sense * point.lift, _times(sense, point.slope), _times(sense, point.bend)) for point in points)
+    law_points = points(cam, bool(axes(model)[following].turns))
+    signed = ((point, sense * point.lift, _times(sense, point.slope), _times(sense, point.bend)) for point in law_points)
     law = CamLaw(tuple(point._replace(lift=lift, slope=slope, bend=bend) for point, lift, slope, bend in signed), cam.tabulated)
     curve = Curve(turning, law, math.radians(cam.drawn_at or 0.0))
     found = Relation(cam.name, {following: 1.0}, 0.0, cam.line, curve).through(np.zeros(model.nv))
@@ -162,7 +79,7 @@ def _joints(cam: Cam, document: Document, model: pin.Model) -> tuple[int, int]:
     return turning, following
 
 
-def _points(cam: Cam, turns: bool) -> tuple[CamPoint, ...]:
+def points(cam: Cam, turns: bool) -> tuple[CamPoint, ...]:
     """The points of the law in SI units; ``turns``: whether the follower is on an arm, whose lifts are angles."""
     unit = math.pi / 180 if turns else 1.0
     return tuple(
@@ -261,16 +178,6 @@ def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> 
         path = f"the path of its roller has a radius of {1 / curvature:.4g} m at {math.degrees(angle):.4g} deg"
         problem = f"the cam is undercut: {path}, not more than that of the roller, {cam.roller_radius:g} m"
         raise _refusal(cam, document, problem, "write a smaller roller, a larger radius, or more angle for the lift")
-
-
-def steep(made: CamContact) -> tuple[str, str] | None:
-    """Doubt of a pressure angle at which the follower may jam: problem and remedy."""
-    largest, angle = made.largest_pressure_angle()
-    limit, of = STEEPEST["arm" if made.arm else "guide"], "an arm" if made.arm else "a guide"
-    if math.degrees(largest) <= limit:
-        return None
-    problem = f"its pressure angle reaches {math.degrees(largest):.4g} deg at {math.degrees(angle):.4g} deg, above {limit:g} deg for {of}"
-    return problem, "write a larger radius, or more angle for the lift"
 
 
 def _refusal(cam: Cam, document: Document, problem: str, remedy: str) -> UrdfError:

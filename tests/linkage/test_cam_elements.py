@@ -94,7 +94,7 @@ def test_drawn_at_another_angle():
         (cam(roller_width=0), {}, "roller_width is 0; write a length above 0"),
         (cam(cam="camshift"), {}, "no link 'camshift', did you mean 'camshaft'"),
         (cam(cam="frame"), {}, "link 'frame' does not move"),
-        (cam(cam="ejector"), {}, "cam and follower are one body"),
+        (cam(cam="ejector"), {}, "both are link 'ejector'"),
         (cam(), {"parent": "other"}, "'frame' carries the cam 'camshaft', and 'other' the follower 'ejector'"),
         (cam(), {"axis": "0 1 0"}, "its follower does not move in the plane across the axis of the cam"),
         (cam(), {"mimic": '<mimic joint="O"/>'}, "'guide' of the follower obeys the cam, and it is geared"),

@@ -20,7 +20,6 @@ from ...engines.pinocchio.equations import Rows
 from ...engines.planar.model import PARALLEL
 from ...engines.rank import rank, singular_values
 from ...engines.structure import configuration, data_of, drawn_placements
-from .. import cams
 from ..document import Finding
 from ..driving.freedoms import Freedom, generic_ways
 from ..home import FAR, HOME, POSE, ROUNDED, nearby
@@ -30,6 +29,7 @@ from . import mobility, units
 SEEN = 1e-9  # smaller gaps and motions are rounding [lengths of the linkage, rad]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
+STEEP = {"a guide": 30.0, "an arm": 45.0}  # pressure angle above which a cam may jam its follower [deg]
 SAMPLES = 720  # crank angles of a turn at which positions of joints are checked
 
 
@@ -327,8 +327,13 @@ def remarks(press: Linkage, *, quick: bool = False, centres: bool = True) -> Ite
 def _steep_cams(press: Linkage) -> Iterator[Finding]:
     """Warnings of cams whose followers may jam."""
     for contact in press.contacts:
-        if isinstance(contact, CamContact) and (doubt := cams.steep(contact)):
-            yield Finding("warning", press.document.called("cam", contact.name), press.relations[contact.relation].line, *doubt)
+        if isinstance(contact, CamContact):
+            largest, angle = np.degrees(contact.largest_pressure_angle())
+            follower = "an arm" if contact.arm else "a guide"
+            if largest > STEEP[follower]:
+                problem = f"its pressure angle reaches {largest:.4g} deg at {angle:.4g} deg, above {STEEP[follower]:g} deg for {follower}"
+                element, line = press.document.called("cam", contact.name), press.relations[contact.relation].line
+                yield Finding("warning", element, line, problem, "write a larger radius, or more angle for the lift")
 
 
 def _driver(press: Linkage) -> tuple[Branch | None, list[Finding]]:

@@ -16,11 +16,10 @@ import numpy as np
 
 from ...common.arguments import LARGEST
 from ...common.errors import UrdfError, odd_character, suggestion
-from .. import cams
 from ..description import DEEPEST_JOINTS, MACHINE_ELEMENTS, MOST, Description, Joint, has_mass, names
 from ..document import Document, Finding
 from ..element import Element
-from . import grammar, machine_elements
+from . import cams, grammar, machine_elements
 from .grammar import Problem, warning
 
 CONTACTS = (*MACHINE_ELEMENTS, "cam")  # tags of elements through which bodies push on each other

@@ -22,7 +22,7 @@ def problems(robot: Element, description: Description) -> Iterator[Problem]:
     meshing: dict[frozenset[str], str] = {}
     for element, said in zip(robot.all(*MACHINE_ELEMENTS), description.machine_elements, strict=True):
         links = tuple(element.get(name) for name in _LINKS[element.tag])
-        yield from _link_problems(element, links, description)
+        yield from link_problems(element, links, description)
         yield from ((element, *problem) for problem in _number_problems(element))
         yield from ((element, *problem) for problem in itertools.chain(_word_problems(element), _PROBLEMS[type(said)](said)))
         bodies = frozenset(description.bodies.get(link, link) for link in links)
@@ -34,7 +34,8 @@ def problems(robot: Element, description: Description) -> Iterator[Problem]:
 _LINKS = {"gear_mesh": ("gear1", "gear2"), "rack": ("pinion", "rack"), "screw": ("screw", "nut"), "worm": ("worm", "wheel")}
 
 
-def _link_problems(element: Element, links: tuple[str, ...], description: Description) -> Iterator[Problem]:
+def link_problems(element: Element, links: tuple[str, ...], description: Description) -> Iterator[Problem]:
+    """Problems of the links that an element names: the two that touch, and their carrier."""
     carrier = element.get("carrier")
     for link in (*links, *([carrier] if carrier else [])):
         if link and link not in description.links:
