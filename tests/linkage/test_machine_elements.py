@@ -571,6 +571,15 @@ def test_a_lead_larger_than_the_press_is_doubted(load):
         load(SPINDLE.replace('lead="0.2"', 'lead="0.9"').replace("-0.5", "-0.25"))
 
 
+@pytest.mark.parametrize(
+    ("text", "old", "new", "message"),
+    [(SPINDLE, 'lead="0.2"', 'lead="0.00002"', "lead is 0.02 mm"), (ARBOR, 'radius="0.024"', 'radius="0.000024"', "radius is 0.024 mm")],
+)
+def test_metres_taken_for_millimetres_are_doubted(load, text, old, new, message):
+    with pytest.warns(pp.PinpressWarning, match=message):
+        load(text.replace(old, new))
+
+
 def test_planets_that_fit_count_at_both_their_meshes(load):
     press = load(PLANETARY.replace('teeth2="30"', 'teeth2="30" planets="4"'))
     assert [press.meshes[name].planets for name in ("sun_pl", "ring_pl")] == [4, 4]

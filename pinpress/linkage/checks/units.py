@@ -16,6 +16,8 @@ from .grammar import warning
 SHORT = 0.5  # a link counts as at least this long [lengths of the linkage], however close together its pins are
 OUTSIDE = 3.0  # a centre of mass may be this far from the pins of its link [lengths of the link]
 WIDE = 3.0  # a lead or pitch radius may be as large [lengths of the linkage]
+NARROW = {"lead": 1e-4, "radius": 1e-3, "diameter": 1e-3, "collar_diameter": 1e-3}
+"""Below these no press has teeth or threads [m]: they are metres in a table of millimetres."""
 GYRATION = 5.0  # the radius of gyration of a link may be as large [lengths of the link]
 
 KG_M2 = "write moments of inertia in kg m2, and the mass in kg"
@@ -55,11 +57,14 @@ def length(robot: Element, size: float) -> Iterator[Finding]:
 
 
 def _teeth(robot: Element, size: float) -> Iterator[Finding]:
-    """Warnings of leads and radii of teeth and threads that are larger than the linkage."""
+    """Warnings of leads and radii of teeth and threads that are larger than the linkage, or smaller than any."""
     for element in robot.all(*MACHINE_ELEMENTS):
         for name in ("lead", "radius", "diameter", "module"):
             if (length := element.number(name, 0.0)) > WIDE * size:
                 yield warning(element, f"{name} is {length:g} m, in a linkage of {size:.3g} m", "write it in metres, 0.01 for 10 mm")
+        for name, least in NARROW.items():
+            if 0.0 < (length := element.number(name, 0.0)) < least:
+                yield warning(element, f"{name} is {1e3 * length:.3g} mm", "write it in metres, in a table in the unit of the table")
 
 
 def angles(robot: Element) -> Iterator[Finding]:
