@@ -20,7 +20,7 @@ from ..common.arguments import in_unit, positive, suitable_numbers, truth_value,
 from ..common.errors import PinpressError, caution
 from ..common.frozen import FrozenMapping, read_only
 from ..common.numerics import sign_change
-from ..common.quantities import Array
+from ..common.quantities import GRAVITY, Array
 from ..common.results import Record, Tabular
 from ..common.tables import Columns
 from ..drives.transmission import Brake, Flywheel, SwitchPoint
@@ -229,13 +229,15 @@ def stopping(
     press.refuse_several_drivers("a stop is of one crank; simulate(press, ..., drive={...}) runs several")
     press.refuse_sliding_driver("a stop is of a crank; simulate(press, ...) runs others")
     wanted = "one number that is not zero [rad/s], e.g. 50 * pinpress.RPM"
-    speed = float(suitable_numbers("speed", in_unit("speed", speed, "rad/s"), wanted, suits=lambda value: value != 0.0))
+    speed = float(suitable_numbers("speed", in_unit("speed", speed, "rad/s"), wanted, suits=lambda value: 1e-9 <= abs(value) <= 1e9))
     plausibility.speeds("speed", speed)
     torque, inertia = positive("brake", brake, "N m"), not_negative("inertia", inertia, "kg m2")
     given = {"delay": delay, "rise": rise, "control": control, "device": device}
     times = {name: not_negative(name, value, "s") for name, value in given.items()}
     for name, time in times.items():
         plausibility.engagement(name, time)
+    weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
+    plausibility.torque("brake", torque, 0.5 * weight * dead_centres(press).stroke)
     refuse_unrated(press, loads, {}, at_speed=True)
     signal, closing = _signals(press, math.copysign(1.0, speed))
     runs = {FULL: (torque, tuple(loads)), HALF: (0.5 * torque, tuple(loads))} | ({UNLOADED: (torque, ())} if loads else {})

@@ -67,7 +67,7 @@ class RollingBearing(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.kind not in EXPONENTS:
+        if not isinstance(self.kind, str) or self.kind not in EXPONENTS:
             raise PinpressError(f"RollingBearing: kind is {shown(self.kind)}: give 'ball' or 'roller'")
         whole_number("RollingBearing: count", self.count, 1, 100)
 

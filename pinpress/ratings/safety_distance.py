@@ -134,5 +134,5 @@ def length_argument(name: str, value: object) -> float:
 
 
 def not_negative(name: str, value: object, unit: str) -> float:
-    wanted = f"one number [{unit}], not negative"
-    return float(suitable_numbers(name, in_unit(name, value, unit), wanted, suits=lambda each: each >= 0.0))
+    wanted = f"0, or one number from 1e-9 to 1e9 [{unit}]"
+    return float(suitable_numbers(name, in_unit(name, value, unit), wanted, suits=lambda each: each == 0.0 or 1e-9 <= each <= 1e9))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from support.presses.machine_presses import arbor, geared, planetary, spindle
 from support.texts import shipped
 
 import pinpress as pp
@@ -72,6 +73,22 @@ def test_a_gear_is_in_balance_with_the_teeth() -> None:
     for link in (each for each in press.links if each != press.root):
         force, moment = load_cases(press, reactions, link, "states").residual
         assert max(force.max(), moment.max()) < 1e-7
+
+
+@pytest.mark.parametrize("press", [geared(0.95), arbor(0.95), spindle(0.05)], ids=lambda press: press.name)
+def test_links_with_teeth_racks_and_threads_are_in_balance_with_their_losses(press: pp.Linkage) -> None:
+    motion = pp.servo_cycle(press, np.linspace(0.1, 0.5, 5), speed=2.0, acceleration=3.0)
+    whole = pp.inverse_dynamics(press, motion, [pp.loads.PointForce("slide", (0.0, 0.0, 1e4))])
+    for link in (each for each in press.links if each != press.root):
+        force, moment = load_cases(press, whole, link, "states").residual
+        assert max(force.max(), moment.max()) < 1e-10
+
+
+def test_planets_that_stand_for_three_are_refused() -> None:
+    press = planetary()
+    whole = pp.inverse_dynamics(press, pp.servo_cycle(press, np.linspace(0.1, 0.5, 5), speed=2.0, acceleration=3.0))
+    with pytest.raises(pp.PinpressError, match=r"what acts on planet is not in balance: .* planets that stand for several"):
+        load_cases(press, whole, "planet", "states")
 
 
 def test_angles_are_met_exactly_also_where_the_speed_changes() -> None:

@@ -187,7 +187,7 @@ def test_addends_are_named(stops: pp.ratings.StoppingTimes) -> None:
 REFUSED = [
     (lambda: stopping(0.0), "speed is 0.0: give one number that is not zero"),
     (lambda: stopping(5.0, brake=-1.0), "brake is -1.0: give a positive number"),
-    (lambda: stopping(5.0, delay=-0.1), "delay is -0.1: give one number [s], not negative"),
+    (lambda: stopping(5.0, delay=-0.1), "delay is -0.1: give 0, or one number from 1e-9 to 1e9 [s]"),
     (lambda: stopping(5.0, brake=60.0), "the brake of 60 N m does not hold the press at"),
     (lambda: stopping(5.0, loads=[pp.loads.ConstantForce(1e3, 0.01)]), "is not a load of ratings"),
     (lambda: distance("ISO 13855", 0.2), "edition is 'ISO 13855': give one of ISO 13855:2010"),
