@@ -82,7 +82,7 @@ def bearing_loads(loops: Loops, states: ClosedStates, conditions: AppliedConditi
         acting = conditions.part(piece)
         balance = _Balance(loops, states.part(piece), acting.loads, acting.compliance, by, acting.efforts)
         speed[:, piece], directions = balance.ways(rates[:, piece])
-        multipliers = balance.multipliers(balance.known_friction(acting.friction))
+        multipliers = balance.multipliers(balance.known_friction(acting.friction, directions))
         radial[:, piece] = balance.radial(multipliers, directions).transpose(0, 2, 1)
         relations[:, piece] = balance.efforts_of_relations(multipliers)
     return BearingLoads(speed, radial, relations)
@@ -206,11 +206,11 @@ class _Balance:
         """Friction of efforts (bearings, n) about directions (bearings, 3, n)."""
         return _Friction(efforts[: self.count], efforts[self.count :, None] * directions[self.count :])
 
-    def known_friction(self, efforts: Array | None) -> _Friction:
-        """Friction of efforts (bearings, n) that are known; None for none."""
+    def known_friction(self, efforts: Array | None, directions: Array | None = None) -> _Friction:
+        """Friction of efforts (bearings, n) that are known, None for none; ``directions``: None for those of the states' own motion."""
         if efforts is None:
             return _Friction(np.zeros_like(self.states.v), np.zeros((len(self.loops.structure.loops), 3, self.n)))
-        return self.friction(efforts, self.ways(self.states.v)[1])
+        return self.friction(efforts, self.ways(self.states.v)[1] if directions is None else directions)
 
     def speeds(self) -> Array:
         """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
