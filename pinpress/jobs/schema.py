@@ -232,7 +232,7 @@ def schema() -> Schema:
         "type": "object",
         "properties": table | {name: {"description": each["description"], **_or_none(each)} for name, each in sections.items()},
         "additionalProperties": False,
-        "anyOf": [{"required": ["file"]}, {"required": ["base"]}, {"required": list(NEEDED)}],
+        "anyOf": [{"required": ["file"]}, {"required": ["base"]}, {"required": [key for key in NEEDED if key != "frame"]}],
     }
 
 

@@ -39,7 +39,7 @@ from ..linkage.skeleton import PitchCircle, pitch_circles
 from ..visual.shapes.appearance import ShownLink, bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, Numbers, formula, parameters_of
-from .links import Link, read_links
+from .links import FRAME, Link, read_links
 from .machine_elements import SECTIONS, read_machine_elements
 from .placement import UNITS, Pin, UnreachableError, place_pins, size_of
 from .reading import BESIDE, CALL, Entry, given_table, overlaid, read_table
@@ -287,7 +287,7 @@ def drawn_from(entries: Entry) -> DrawnPress:
         if key not in KEYS and key not in BESIDE:
             entries.refuse_key(key, entry, (*KEYS, *BESIDE))
     for key, remedy in NEEDED.items():
-        if key not in items or not items[key].value:
+        if (key not in items or not items[key].value) and not (key == "frame" and _act_on_frame(items)):
             entries.refuse(f"no {key}", remedy)
     unit = items["units"].text("a unit of length")
     if unit not in UNITS:
@@ -319,6 +319,14 @@ def drawn_from(entries: Entry) -> DrawnPress:
         items["press"].refuse(f"{name!a} has the character {odd}, which no line shows as it is", "choose another name")
     tool = read_tool(items, pins, parts, tree, numbers)
     return DrawnPress(name, entries.file, unit, pins, links, parts, tree, tool, entries)
+
+
+def _act_on_frame(items: Mapping[str, Entry]) -> bool:
+    """Whether a machine element acts on the frame, as a nut that is fixed there: then no pin need be in it."""
+    sections = [items[name].value for name in SECTIONS if name in items]
+    elements = [each.value for section in sections if isinstance(section, Mapping) for each in section.values()]
+    words = [each.value for element in elements if isinstance(element, Mapping) for each in element.values()]
+    return any(FRAME in word.split() for word in words if isinstance(word, str))
 
 
 def _is_clockwise(entry: Entry) -> bool:
@@ -377,12 +385,13 @@ def _without_units(value: Any, unit: object, depth: int = 0) -> Any:
 
 
 def _parts(items: Mapping[str, Entry], pins: Mapping[str, Pin], links: tuple[Link, ...], numbers: Numbers) -> Parts:
-    if isinstance(items["frame"].value, Mapping):
-        items["frame"].refuse("keys with values", "the pins fixed in the frame stand here, frame: A D; mass and mounts go into foundation")
-    frame = tuple(items["frame"].names("names of pins, separated by blanks"))
+    fixed = items.get("frame")
+    if fixed is not None and isinstance(fixed.value, Mapping):
+        fixed.refuse("keys with values", "the pins fixed in the frame stand here, frame: A D; mass and mounts go into foundation")
+    frame = () if fixed is None else tuple(fixed.names("names of pins, separated by blanks"))
     for name in frame:
-        if name not in pins:
-            items["frame"].refuse(f"no pin {name}{suggestion(name, pins)}", f"name some of {', '.join(pins)}")
+        if name not in pins and fixed is not None:
+            fixed.refuse(f"no pin {name}{suggestion(name, pins)}", f"name some of {', '.join(pins)}")
     drivers = tuple(items["drive"].names("the pin that is driven"))
     gears = items["gears"].items("gears: {V: -2 * O}") if "gears" in items else {}
     elements = read_machine_elements(items, pins, links, numbers)

@@ -160,7 +160,7 @@ class _Growing:
         """The joint of the tree at a driven or geared pin or guide."""
         entry = self._written("drive" if name in self.parts.drivers else "gears")
         if name in named:
-            if name in self.parts.drivers and name in self.at and FRAME not in self.at[name]:
+            if name in self.parts.drivers and name in self.at and FRAME not in self.at[name] and self.parts.frame:
                 both = " and ".join(self.at[name])
                 entry.doubt(
                     f"pin {name} is not in the frame: the drive turns {both} relative to each other; "

@@ -358,3 +358,22 @@ def test_odd_values_make_a_press_or_an_error(seed):
     }
     with contextlib.suppress(pp.PinpressError):
         assert pp.build(**table | {section: table[section] | {name: element}}).meshes
+
+
+def test_a_fly_press_has_no_pin_in_the_frame():
+    """Its spindle turns in the slide and screws itself through the nut, which is the frame: 40 mm down in a turn of a left-hand thread."""
+    table = {
+        "units": "mm",
+        "pins": {"N": {"x": 0, "y": 0, "z": 0, "axis": "z"}},
+        "links": {"slide": {"pins": "N", "guide": "up", "mass": 20}, "spindle": {"pins": "N", "mass": 8, "inertia": [0.2, 0.2, 0.3]}},
+        "screws": {"thread": {"screw": "spindle", "nut": "frame", "lead": 40, "hand": "left"}},
+        "drive": "N",
+    }
+    press = pp.build(**table)
+    motion = pp.servo_cycle(press, [0.0, 2 * np.pi], speed=1.0, acceleration=0.0)
+    assert np.ptp(motion.slide_position) == pytest.approx(0.04, rel=1e-12)
+    assert motion.slide_position[-1] < motion.slide_position[0]
+    torque = pp.inverse_dynamics(press, motion).driving_torque
+    np.testing.assert_allclose(torque, -28 * 9.81 * 0.04 / (2 * np.pi), rtol=1e-12)
+    with pytest.raises(pp.PinTableError, match="no frame; name the pins that are fixed in the frame"):
+        pp.build(**{key: value for key, value in GEARED.items() if key != "frame"} | {"meshes": {"teeth": TEETH}})
