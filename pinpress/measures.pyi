@@ -8,6 +8,8 @@ from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis
 from .dynamics.harmonics import harmonics as harmonics
 from .dynamics.joint_limits import LimitUse as LimitUse
 from .dynamics.joint_limits import joint_limits as joint_limits
+from .dynamics.timing import TimingDiagram as TimingDiagram
+from .dynamics.timing import timing as timing
 from .kinematics.frames.workspace import ReachMap as ReachMap
 from .kinematics.frames.workspace import workspace as workspace
 from .kinematics.measures import bearing_positions as bearing_positions
@@ -36,6 +38,8 @@ from .kinematics.planar.transmission_angles import least_transmission_angles as 
 from .kinematics.planar.transmission_angles import transmission_angle_curves as transmission_angle_curves
 from .kinematics.slide_path import DeadCentres as DeadCentres
 from .kinematics.slide_path import SlideMotion as SlideMotion
+from .kinematics.slide_windows import AngleWindow as AngleWindow
+from .kinematics.slide_windows import windows as windows
 from .kinematics.traces import PointTrace as PointTrace
 from .kinematics.traces import trace as trace
 from .simulation.duty import MotorDuty as MotorDuty

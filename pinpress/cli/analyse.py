@@ -18,6 +18,7 @@ from ..dynamics.driving_energy import driving_energy
 from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.reactions import Reactions
+from ..dynamics.timing import TimingDiagram
 from ..fe.link_loads import LinkLoads
 from ..jobs.bearings import pins_of
 from ..jobs.job import Job, stopping_results, traces_of
@@ -34,7 +35,13 @@ from .options import SHORT, SIGNS, add_job_options, open_job, print_inputs, say_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
 
-FILES = {PinRatings: "pins.csv", LinkLoads: "load_cases.csv", StoppingTimes: "stopping.csv", DriveChoice: "drives.csv"}
+FILES = {
+    PinRatings: "pins.csv",
+    LinkLoads: "load_cases.csv",
+    StoppingTimes: "stopping.csv",
+    DriveChoice: "drives.csv",
+    TimingDiagram: "timing.csv",
+}
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -47,7 +54,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "capacities the permissible force; with sizes of bearings their pressure and life; with stopping the stops under the brake; with\n"
         "mains a motor of a catalogue with its flywheel; with a flywheel its drop of speed; with a motor the steady state. With --out\n"
         "also writes cycle.csv (every quantity in every state), ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp,\n"
-        "stopping.csv, drives.csv, cam_height.txt and cam_angle.txt (tables for a controller), and the pages recording.html and\n"
+        "stopping.csv, timing.csv, drives.csv, cam_height.txt and cam_angle.txt (for a controller), and the pages recording.html and\n"
         "report.html.",
         epilog=SIGNS + SHORT + "pinpress analyse press.yaml --out out",
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -71,6 +78,7 @@ def run(options: argparse.Namespace) -> int:
     results += [job.pins()] if pins_of(job.press, job.bearings) else []
     results += [job.load_cases()] if "fe" in job.sections else []
     results += stopping_results(job) if "stopping" in job.sections else []
+    results += [job.timing()] if "feed" in job.sections else []
     results += job.cam_tables() if "cam_table" in job.sections else []
     results += [job.choose_drive()] if "mains" in job.sections else []
     more = [line for each in results for line in ("", str(each))]

@@ -33,6 +33,7 @@ from .driving_energy import driving_energy
 from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, rounding, torque_without_rounding
 from .harmonics import HarmonicAnalysis, harmonics
 from .reactions import Reactions, carrying
+from .timing import TimingDiagram
 
 BEYOND = 1.25  # height shown over the process, divided by the largest at which there is a force
 CLOSED = 1e-12  # gap [lengths of the linkage] or residual that is rounding
@@ -698,8 +699,41 @@ def _clean(vector: Array, least: float) -> Array:
     return np.where(np.abs(vector).max(axis=0) > least, vector, 0.0)
 
 
+def timing_diagram(found: TimingDiagram) -> tuple[Section, ...]:
+    """A timing diagram: a bar for each window."""
+    press, feed, bars = found._press, found.feed, found.bars
+    axis, ends = press.driver_coordinates[0], known_dead_centres(press)
+    marks = {} if ends is None else {"TDC": ends.top_angle, "BDC": ends.bottom_angle}
+    curves = []
+    for row, each in enumerate(bars):
+        reach = each.crank_angle + np.array([0.0, -each.turned if found.backwards else each.turned])  # in one piece, also beyond the period
+        again = sum(other.name == each.name for other in bars[:row])
+        curves.append(Curve(f"{each.name} {again + 1}" if again else each.name, np.full(2, -float(row)), reach, look="strong"))
+    along = Along(axis.counted, axis.unit, marks=marks)
+    chart = Chart("timing", "Timing diagram, a bar a row", "-", along, curves)
+    figures = [
+        Figure("feed window", feed.turned, "angle", f"above {quantity('height').text(found.above)}"),
+        Figure("feed window", feed.duration, "s"),
+    ]
+    if found.feed_time is not None and found.reserve is not None and found.highest_speed is not None:
+        figures += [
+            Figure("feeder's time", found.feed_time, "s", limit=feed.duration),
+            Figure("reserve", found.reserve, "s"),
+            Figure("feeder fits up to", found.highest_speed, "rad/s"),
+        ]
+    columns = [
+        Column("window", [each.name for each in bars]),
+        Column("from", [each.crank_angle for each in bars], "angle"),
+        Column("to", [each.ends_at for each in bars], "angle"),
+        Column("turned", [each.turned for each in bars], "angle"),
+        Column("time", [each.duration for each in bars], "s"),
+    ]
+    return (Section("Timing", figures, [chart, Table("windows", "", columns, most=200)], press=press, of="diagram"),)
+
+
 SECTIONS = {
     Reactions: lambda reactions, page: described(reactions),
     CamReactions: lambda found, page: (cam_section(found),),
+    TimingDiagram: lambda found, page: timing_diagram(found),
 }
 """How results of this room are described."""

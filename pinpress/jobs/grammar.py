@@ -436,6 +436,16 @@ SECTIONS: Mapping[str, Section] = {
         "The servo drive, or a catalogue of motors, and what its best motion has to keep.",
         "servo: {strokes_per_minute: 25, drive: {inertia: 1.5 kg m2, ratio: 60, peak_torque: 2100 N m}, path: {kind: turn}}",
     ),
+    "feed": Section(
+        keys(
+            "{above: 100 mm, time: 180 ms}",
+            {"above": Number("m"), "time": Number("s"), "bars": Named(Numbers("rad"), "{ejector: 200 260 deg}")},
+            ("above",),
+        ),
+        "The timing diagram: the window above a height in which the strip is fed, the feeder's time, and other windows of the crank angle.",
+        "feed: {above: 100 mm, time: 180 ms, bars: {ejector: 200 260 deg}}",
+        by_keys=True,
+    ),
     "cam_table": Section(
         keys("{height: 1 um, layout: xyva}", {"height": Number("m"), "angle": Place(), "layout": Text(tuple(LAYOUTS))}),
         "Cam tables of the motion for a controller: of the slide's height, the crank's angle, or both, each with its tolerance.",

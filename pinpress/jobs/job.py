@@ -24,6 +24,7 @@ from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..dynamics.reactions import Reactions
+from ..dynamics.timing import TimingDiagram, timing
 from ..kinematics.cycle import cycle
 from ..kinematics.motion import Motion
 from ..kinematics.motion_table import read_motion
@@ -557,6 +558,17 @@ class Job(Frozen):
             given.pop(name, None)
         return choose_motor(self.press, read_motors(given.pop("motors")), list(self.loads.values()), **given)
 
+    def timing(self) -> TimingDiagram:
+        """The timing diagram of a period at constant speed."""
+        return self._timing
+
+    @cached_property
+    def _timing(self) -> TimingDiagram:
+        given = self.need("feed")
+        with self._naming("feed"):
+            loads = list(self.loads.values())
+            return timing(self.press, self.motion(), given["above"], feed_time=given.get("time"), loads=loads, bars=given.get("bars", {}))
+
     def cam_tables(self) -> list[CamPoints]:
         """The cam tables of the servo drive's best motion; of a job without one those of the motion that its page shows."""
         return self._cam_tables
@@ -701,6 +713,8 @@ def results_of(job: Job) -> Iterator[Tabular]:
         yield job.load_cases()
     if "stopping" in has:
         yield from stopping_results(job)
+    if "feed" in has:
+        yield job.timing()
     if "mains" in has:
         yield job.choose_drive()
     if "motor" in has and not moving and len(job.press.drivers) == 1:

@@ -152,6 +152,11 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "points": "segments of the path; left out: as many as it takes",
         "step": "of the tables for a controller",
     },
+    "feed": {
+        "above": "height above bottom dead centre above which the strip can be fed",
+        "time": "that the feeder needs",
+        "bars": "crank angles at which something begins and ends, by its name: an ejector, a blank holder, the muting of a light curtain",
+    },
     "cam_table": {
         "height": "tolerance of a table of the slide's height above bottom dead centre",
         "angle": "tolerance of a table of the crank's angle; of a driver that slides of its position",

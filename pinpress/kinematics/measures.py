@@ -28,7 +28,7 @@ from ..common.quantities import Array, ComplexArray
 from ..linkage.linkage import Linkage
 from .even_speed import evenest_window, inside_stroke, longest_window
 from .motion import Motion, refuse_motion_of_another
-from .periodic_curve import CrankMotion, Curve, curve, step_angle, step_time, zeros
+from .periodic_curve import CrankMotion, Curve, curve, step_angle, step_time
 from .poses import bearing_points, poses
 from .slide_path import SlideMotion, slide_path, working_stroke
 
@@ -238,20 +238,12 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
     level = least + inside_stroke(most - least, "tolerance", tolerance)
     turning = path.turning_places.real
     bottom = float(turning[path.at(turning, 1)[0].real.argmin()])
-    after = bottom + path.states
-    # From bottom dead centre to the next; between two of these places the slide does not turn back.
-    places = np.unique(np.concatenate([[bottom, after], turning + path.states * (turning < bottom), np.arange(np.ceil(bottom), after)]))
-    outside = np.flatnonzero(path.at(places, 1)[0].real > level.real)
-    if not len(outside):
+    crossings = path.crossings(level)
+    if not len(crossings):
         raise PinpressError(f"tolerance is {tolerance:g}, the whole stroke but for rounding: give less")
-    leaves, returns = outside[0], outside[-1]
-
-    def above(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
-        value, slope = path.at(place, 1)
-        return value - level, slope
-
-    until, since = zeros(above, places[[leaves - 1, returns]], places[[leaves, returns + 1]])
-    return path, complex(until - since) + path.states
+    ahead = crossings - bottom
+    ahead += np.where(ahead.real < 0, path.states, 0)
+    return path, complex(ahead[ahead.real.argmin()] - ahead[ahead.real.argmax()]) + path.states
 
 
 # --------------------------------------------------------------------------------------------------------------------- angles between links

@@ -87,6 +87,19 @@ class Curve:
 
         return zeros(turning, before, before + 1)
 
+    def crossings(self, level: complex) -> ComplexArray:
+        """Places (m,) from 0 to n at which the quantity passes a level."""
+        # Between two of these places it does not turn back.
+        places = np.unique(np.concatenate([np.arange(self.states + 1), self.turning_places.real]))
+        above = self.at(places, 1)[0].real > level.real
+        before = np.flatnonzero(above[1:] != above[:-1])
+
+        def beyond(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
+            value, slope = self.at(place, 1)
+            return value - level, slope
+
+        return zeros(beyond, places[before], places[before + 1])
+
     def extremes(self) -> tuple[complex, complex]:
         """The smallest and the largest value."""
         values = np.concatenate([self.coefficients[0], self.at(self.turning_places, 1)[0]])

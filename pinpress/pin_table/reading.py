@@ -35,7 +35,7 @@ PIN_TABLE = FileKind(
 BESIDE = {  # sections of a job that may stand in a table -> levels at which they are laid over those of a base
     **dict.fromkeys(("loads", "bearings"), 2),
     **dict.fromkeys(("slide", "gravity", "zero", "speed", "points"), 0),
-    **dict.fromkeys(("motion", "motor", "flywheel", "clutch", "brake", "capacities", "stopping", "fe", "cam_table"), 1),
+    **dict.fromkeys(("motion", "motor", "flywheel", "clutch", "brake", "capacities", "stopping", "fe", "cam_table", "feed"), 1),
     **dict.fromkeys(("elastic", "foundation", "balance", "tolerances", "servo", "mains", "run", "traces", "report", "variants"), 1),
 }
 LEVELS = {  # the same of the sections of a table

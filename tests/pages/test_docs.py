@@ -45,6 +45,7 @@ RUN = [
     "stopping",
     "sweep",
     "synthesis",
+    "timing",
     "tolerances",
 ]
 

@@ -201,6 +201,8 @@ QUESTIONS = {
     "moment of inertia of motor": "motor simulation",
     "motor temperature": "motor",
     "cam table": "cam_tables",
+    "feed window": "timing servo",
+    "timing diagram": "timing",
     "motion controller": "cam_tables servo",
     "choose a motor": "mains servo",
     "size of the flywheel": "mains",
