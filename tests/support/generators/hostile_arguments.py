@@ -370,6 +370,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
         "length": 0.05,
         "variation": 0.1,
         "orders": 3,
+        "above": 0.05,
         "force": Late(lambda: reactions().shaking_force),
     },
     "measures.cam": {
@@ -388,6 +389,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
     },
     "mains.read_motors": {"path": FOLDER / "motors.csv"},
     "measures.duty_cycle": {"end": 0.5},
+    "measures.timing": {"feed_time": 0.1, "loads": [], "bars": {"ejector": (1.0, 2.0)}},
     "measures.poles": {"to": "frame"},
     "measures.workspace": {
         "press": Late(every_result.leg),
