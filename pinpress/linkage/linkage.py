@@ -128,7 +128,7 @@ class Linkage(Frozen):
         if self.contacts and (said.machine_elements or said.cams):  # of another model they are elsewhere
             with contextlib.suppress(UrdfError):  # lengths that gears do not go with leave them as they were
                 of_cams = cams.contacts(self.document, self.model, self.relations)
-                vars(self)["contacts"] = contacts_of(self._elements, self.relations) + of_cams
+                vars(self)["contacts"] = (*contacts_of(self._elements, self.relations), *of_cams)
 
     def __repr__(self) -> str:
         passive = f", passive {', '.join(self.passive)}" if self.passive else ""

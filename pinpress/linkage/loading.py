@@ -210,7 +210,7 @@ def build(
         drivers=drivers,
         slide=_slide(description, slide, drivers),
         joint_springs=description.joint_springs,
-        contacts=machine_elements.contacts_of(elements, relations + of_elements) + cams.contacts(document, model, relations),
+        contacts=(*machine_elements.contacts_of(elements, relations + of_elements), *cams.contacts(document, model, relations)),
     )
 
 
