@@ -28,6 +28,7 @@ HYPERBOLAS = (0.2, 0.4, 0.6, 0.8)  # places on the diagonal of a chart where lin
 ROOM = 1.12  # highest force of a chart, divided by the nominal force
 POINTS = 200  # points of a line of constant energy
 NO_ADVICE = "This is no advice: what decides is the stopping time measured on the press."
+MILLION = 1e6  # strokes, by which wear and lives are given
 
 
 def press_ratings(ratings: PressRatings, page: Reactions | None = None) -> tuple[Section, ...]:
@@ -258,7 +259,7 @@ def pins(result: PinRatings, page: object = None) -> tuple[Section, ...]:
         figures.append(Figure("largest pressure", pressed.largest_pressure or 0.0, "Pa", f"in {pressed.bearing}", limit, kind="bearing"))
         figures.append(Figure("largest mean p v", rubbed.pv or 0.0, "p v", f"in {rubbed.bearing}"))
         limits = [getattr(result.bearings[each.bearing], "pressure", None) for each in plain]
-        worn = [None if each.wear is None else 1e6 * each.wear for each in plain]
+        worn = [None if each.wear is None else MILLION * each.wear for each in plain]
         columns = [
             *_forces_of(plain, first),
             Column("largest pressure", [each.largest_pressure for each in plain], "Pa"),
@@ -285,7 +286,7 @@ def pins(result: PinRatings, page: object = None) -> tuple[Section, ...]:
             Column("way", [each.way for each in rolling], "angle"),
             Column("swing", [each.swing for each in rolling], "angle"),
             Column("equivalent load", [each.equivalent_load for each in rolling], "N"),
-            Column("million strokes", [1e-6 * (each.strokes or 0.0) for each in rolling], "number"),
+            Column("million strokes", [(each.strokes or 0.0) / MILLION for each in rolling], "number"),
             Column("hours", [each.hours for each in rolling], "number"),
             *([Column("static safety", safe, "number")] if any(safe) else []),
         ]
