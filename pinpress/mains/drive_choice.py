@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +34,6 @@ from .motors import start
 
 RESERVE = 1.25  # at 10 % less voltage on the mains the breakdown torque is 19 % smaller, as it goes with the square
 CLOSE = 1e-7  # of the largest flywheel: how closely the smallest one is found
-NO_STATE = "stalls"
 
 
 @dataclass(frozen=True, repr=False)
@@ -59,7 +59,7 @@ class TriedDrive(
         motor: name of the motor.
         ratio: gear ratio [-].
         flywheel: inertia on the motor's shaft, without that of the motor [kg m2].
-        mean_speed: mean size of the crank's speed [rad/s]; None if there is no steady state.
+        mean_speed: mean size of the crank's speed [rad/s]; None if the motor stalls or is too weak.
         highest_speed: largest size of the crank's speed [rad/s]; None as before.
         lowest_speed: smallest size of the crank's speed [rad/s]; None as before.
         speed_drop: highest less lowest speed / mean speed [-]; None as before.
@@ -120,18 +120,17 @@ class DriveChoice(OfPress, Tabular):
 
 
 class Demand(NamedTuple):
-    """A press, and what its drive has to keep: arguments of `choose_drive`; ``speeds`` are sizes, ``sense`` is the direction."""
+    """A press, and what its drive has to keep: arguments of `choose_drive`; ``speeds`` are sizes."""
 
     press: Linkage
     loads: Sequence[Load]
     friction: Mapping[str, Friction]
-    sense: float
     speeds: tuple[float, float]
     flywheels: tuple[float, float]
     speed_drop: float
     reserve: float
     start_time: float
-    efficiency: float
+    power: float  # mean one that the motor has to give at the lowest speed of the band [W]
 
 
 @typed
@@ -189,9 +188,10 @@ def choose_drive(
         raise PinpressError(f"reserve is {margin:g}: give breakdown torque / largest torque, above 1")
     longest = math.inf if start_time is None else positive("start_time", start_time, "s")
     sizes = (min(abs(low), abs(high)), max(abs(low), abs(high)))
-    demand = Demand(press, list(loads), friction, math.copysign(1.0, low), sizes, (least, most), drop, margin, longest, efficiency)
+    sense, gear = math.copysign(1.0, low), positive("efficiency", efficiency, "-", largest=1.0)
     _refuse_other_speeds(catalogue, gear_ratios, sizes)
-    power = _power(demand)
+    power = _mean_power(press, sense * sizes[0], loads, friction) / gear
+    demand = Demand(press, list(loads), friction, sizes, (least, most), drop, margin, longest, power)
     strongest = max(float(motor.rated_power) for motor in catalogue.values())
     if power > strongest:
         raise PinpressError(
@@ -201,7 +201,7 @@ def choose_drive(
     tried, drives = [], []
     for name, motor in catalogue.items():
         for ratio in gear_ratios:
-            drive = Geared(motor, demand.sense * ratio, efficiency=efficiency)
+            drive = Geared(motor, sense * ratio, efficiency=gear)
             tried.append(_smallest(name, drive, demand))
             drives.append(drive)
     enough = [k for k, row in enumerate(tried) if not row.remark]
@@ -250,10 +250,9 @@ def _refuse_other_speeds(motors: Mapping[str, InductionMotor], ratios: Sequence[
     )
 
 
-def _power(demand: Demand) -> float:
-    """Mean power of the motor at the lowest speed of the band [W]."""
-    motion = cycle(demand.press, speed=demand.sense * demand.speeds[0])
-    return driving_energy(inverse_dynamics(demand.press, motion, demand.loads, demand.friction)).mean_power / demand.efficiency
+def _mean_power(press: Linkage, speed: float, loads: Sequence[Load], friction: Mapping[str, Friction]) -> float:
+    """Mean power at the crank at a constant speed [W]."""
+    return driving_energy(inverse_dynamics(press, cycle(press, speed=speed), loads, friction)).mean_power
 
 
 # ---------------------------------------------------------------------------------------------------------------------------- the search
@@ -300,28 +299,37 @@ def _uses(drive: Geared, duty: MotorDuty, demand: Demand) -> dict[str, float]:
 
 def _smallest(name: str, drive: Geared, demand: Demand) -> TriedDrive:
     """A motor and gear with the smallest sufficient flywheel of the range, or with the largest."""
-    low, high = demand.flywheels
+    motor, (low, high) = drive.drive, demand.flywheels
+    assert isinstance(motor, InductionMotor)
+    if demand.power > float(motor.rated_torque) * motor.synchronous_speed:  # its mean torque alone is above the rated one
+        return _row(name, drive, high, None, "too weak", demand)
+
+    @cache
+    def duty(inertia: float) -> MotorDuty | None:
+        return _duty(drive, inertia, demand)
 
     def excess(inertia: float) -> float:
         """Of the highest use over 1, as 1 - 1 / use: nearly linear in the inertia, and 1 if the motor stalls."""
-        duty = _duty(drive, inertia, demand)
-        return 1.0 if duty is None else 1.0 - 1.0 / max(_uses(drive, duty, demand).values())
+        found = duty(inertia)
+        return 1.0 if found is None else 1.0 - 1.0 / max(_uses(drive, found, demand).values())
 
-    if excess(high) > 0.0:
-        return _row(name, drive, high, demand)
-    if excess(low) <= 0.0:
-        return _row(name, drive, low, demand)
-    width = CLOSE * high
-    return _row(name, drive, min(sign_change(excess, low, high, width) + width, high), demand)
+    width, smallest = CLOSE * high, high
+    while smallest > low and excess(smallest) <= 0.0:  # by halves: it is costly to see that a motor with a small flywheel stalls
+        below = 0.5 * smallest if 0.5 * smallest > max(low, width) else low
+        if excess(below) > 0.0:
+            smallest = min(sign_change(excess, below, smallest, width) + width, smallest)
+            break
+        smallest = below
+    return _row(name, drive, smallest, duty(smallest), "stalls", demand)
 
 
-def _row(name: str, drive: Geared, inertia: float, demand: Demand) -> TriedDrive:
-    """What comes of a motor, a gear and a flywheel."""
-    motor, duty = drive.drive, _duty(drive, inertia, demand)
+def _row(name: str, drive: Geared, inertia: float, duty: MotorDuty | None, no_state: str, demand: Demand) -> TriedDrive:
+    """What comes of a motor, a gear and a flywheel; ``no_state``: the remark without a duty."""
+    motor = drive.drive
     assert isinstance(motor, InductionMotor)
     begin, ratio = start(motor, float(motor.inertia) + inertia), abs(drive.ratio)
     if duty is None:
-        return TriedDrive(name, ratio, inertia, None, None, None, None, None, None, None, *begin, NO_STATE)
+        return TriedDrive(name, ratio, inertia, None, None, None, None, None, None, None, *begin, no_state)
     remarks = [remark for remark, use in _uses(drive, duty, demand).items() if use > 1.0]
     low, high = demand.speeds
     remarks += ["too slow"] * (duty.mean_speed < low) + ["too fast"] * (duty.mean_speed > high)
