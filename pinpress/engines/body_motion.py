@@ -36,7 +36,10 @@ class BodyMotion(NamedTuple):
 
     def points(self, points: Array) -> PointMotion:
         """Motion of a point of every body, (k, 3) in the frames of their joints, or of any number of points (p, 3) of a single body."""
-        arm = np.einsum("kijn,kj->kin", self.rotation, points)
+        return self.at_arms(np.einsum("kijn,kj->kin", self.rotation, points))
+
+    def at_arms(self, arm: Array) -> PointMotion:
+        """Motion of the points that are away from the origins by vectors (k, 3, n) in world axes [m]."""
         turning = cross(self.spin, arm)
         place, velocity = arm + self.origin, turning + self.velocity
         if not self.turning.size:

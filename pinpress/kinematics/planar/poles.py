@@ -14,7 +14,7 @@ from ...common.frozen import NamedArrays, read_only
 from ...common.quantities import Array
 from ...common.results import Record, Records, Tabular
 from ...common.tables import Column, by_axis
-from ...engines.body_motion import BodyMotion, cross
+from ...engines.body_motion import BodyMotion
 from ...linkage.linkage import Linkage
 from ..motion import Motion, refuse_motion_of_another
 from ..poses import bearing_points, body_of, loaded_bodies, poses
@@ -92,9 +92,9 @@ def poles(press: Linkage, motion: Motion, link: str, to: str) -> PolePath:
         raise PinpressError(f"{link} and {to} are one body, so that they have no pole: give two links that move relative to each other")
     bodies = _bodies(press, motion)
     at = bodies.origin[first or second]
-    v1, v2 = (_at_place(bodies, body, at)[0] for body in (first, second))
+    velocity = bodies.at_arms(at - bodies.origin).velocity
     spin, turning = ((rates[first] - rates[second]).T for rates in (bodies.spin, bodies.turning))
-    v, w = v1 - v2, spin @ normal
+    v, w = velocity[first] - velocity[second], spin @ normal
     fastest = np.linalg.norm([bodies.velocity / press.size, bodies.spin], axis=2).max(axis=(0, 1))
     turns, across = np.abs(w) > REST * fastest, np.cross(normal, v.T)
     speed = np.linalg.norm(v, axis=0)
@@ -164,14 +164,15 @@ def polygons(press: Linkage, motion: Motion, state: int = 0) -> VectorPolygons:
     for name, body, place in _points(press, bearing_points(press, poses(press, motion.joint_position[at]))[:, 0]):
         names.setdefault(name, (body, place))
         links.setdefault(press.link_of(body), []).append(name)
-    moved = {name: _at_place(bodies, body, place[:, None]) for name, (body, place) in names.items()}
+    carrying = BodyMotion(*(values[[body for body, _ in names.values()]] for values in bodies))
+    moved = carrying.at_arms(np.array([place for _, place in names.values()])[..., None] - carrying.origin)
     wide = [axis for axis in range(3) if axis != np.argmax(np.abs(plane.normal))]
     places = {name: place[wide] for name, (_, place) in names.items()}
     return VectorPolygons(
         motion,
         state,
-        NamedArrays(tuple(moved), np.array([velocity[:, 0] for velocity, _ in moved.values()])),
-        NamedArrays(tuple(moved), np.array([acceleration[:, 0] for _, acceleration in moved.values()])),
+        NamedArrays(tuple(names), moved.velocity[..., 0].copy()),
+        NamedArrays(tuple(names), moved.acceleration[..., 0].copy()),
         {link: _round(its, places) for link, its in links.items() if link != press.link_of(0)},
         ("xyz"[wide[0]], "xyz"[wide[1]]),
     )
@@ -266,8 +267,7 @@ def _rounds(press: Linkage) -> Iterator[tuple[tuple[int, int, int], tuple[int, i
     """Rounds of three bodies and the frame, from the frame and the driver on: the bodies, and the indices of the bearings between them. A
     guide, of which there is at most one, is the last bearing."""
     bearings: dict[int, list[tuple[int, int]]] = {}
-    parents = [*press.model.parents[1:], *(loop.joint1 for loop in press.loops)]
-    for k, (one, other) in enumerate(zip(parents, loaded_bodies(press), strict=True)):
+    for k, (one, other) in enumerate(_sides(press)):
         bearings.setdefault(one, []).append((k, other))
         bearings.setdefault(other, []).append((k, one))
     (driver,) = press.driver_indices
@@ -280,18 +280,21 @@ def _rounds(press: Linkage) -> Iterator[tuple[tuple[int, int, int], tuple[int, i
                 yield (a, b, c), (first, second, third, last)
 
 
+def _sides(press: Linkage) -> list[tuple[int, int]]:
+    """Of every bearing the Pinocchio joints of the two bodies that it connects."""
+    parents = (*press.model.parents[1:], *(loop.joint1 for loop in press.loops))
+    return list(zip(map(int, parents), loaded_bodies(press), strict=True))
+
+
 def _points(press: Linkage, places: Array) -> Iterator[tuple[str, int, Array]]:
     """Names of points, the bodies that carry them, and their places (3,), from those of the bearings (bearings, 3)."""
-    parents = [*press.model.parents[1:], *(loop.joint1 for loop in press.loops)]
-    bearings = list(zip(press.bearings, parents, loaded_bodies(press), places, strict=True))
-    slides = [bearing for k, bearing in enumerate(bearings) if _slides(press, k)]
-    pins = [(name, body, at) for name, *sides, at in bearings if name not in {slide[0] for slide in slides} for body in sides]
+    bearings = list(zip(press.bearings, _sides(press), places, strict=True))
+    pins = [(name, body, place) for k, (name, sides, place) in enumerate(bearings) if not _slides(press, k) for body in sides]
     yield from pins
-    for name, parent, child, at in slides:
-        its = [(pin, place) for pin, body, place in pins if body == child]
-        if not its:
-            yield name, child, at
-        pin, place = its[0] if its else (name, at)
+    for name, (parent, child), middle in (bearing for k, bearing in enumerate(bearings) if _slides(press, k)):
+        pin, place = next(((pin, place) for pin, body, place in pins if body == child), (name, middle))
+        if pin == name:
+            yield name, child, middle
         if parent:
             yield f"{pin} on {press.link_of(parent)}", parent, place
 
@@ -308,11 +311,3 @@ def _bodies(press: Linkage, motion: Motion, states: Sequence[int] | slice = slic
     n = len(motion.v)
     frame = [np.broadcast_to(np.eye(3)[..., None], (3, 3, n)), *np.zeros((5, 3, n))]
     return BodyMotion(*(np.concatenate([still[None], values])[..., states] for still, values in zip(frame, moved, strict=True)))
-
-
-def _at_place(bodies: BodyMotion, body: int, at: Array) -> tuple[Array, Array]:
-    """Velocity and acceleration (3, n) of the points of a body that are at places (3, n)."""
-    arm = at - bodies.origin[body]
-    turning = cross(bodies.spin[body], arm)
-    acceleration = bodies.acceleration[body] + cross(bodies.turning[body], arm) + cross(bodies.spin[body], turning)
-    return bodies.velocity[body] + turning, acceleration
