@@ -3,6 +3,7 @@ closed forms of threads and worms, bodies cut free, and runs against inverse dyn
 
 import numpy as np
 import pytest
+from support.generators.machine_elements import GEARED, TEETH
 from support.generators.meshed import planar
 from support.generators.random_gears import geared_cranks, random_gears
 from support.oracles.cut_free import cut_free
@@ -468,3 +469,17 @@ def test_results_name_contacts():
     np.testing.assert_allclose(none.shaking_moment, found.shaking_moment, rtol=0, atol=1e-9)
     with pytest.raises(pp.PinpressError, match="'teeht'"):
         pp.inverse_dynamics(press, motion, bearings=["teeht"])
+
+
+def test_cranks_side_by_side_tilt_the_slide_by_what_their_rods_push():
+    """One pinion drives two cranks, whose bearings yield unequally: the guide holds the moment of the rods' forces in their planes."""
+    table = GEARED | {"meshes": {"teeth": TEETH}, "copies": [{"links": "crank rod", "y": [-300, 300], "names": "_front _back"}]}
+    press = pp.build(**table)
+    motion = pp.servo_cycle(press, np.array([0.3, 1.1]), speed=3.0, acceleration=5.0)
+    stiffness = {name: 1e8 * (1 + k) for k, name in enumerate(press.bearings)}
+    for engine in ENGINES:
+        found = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (3e3, 0, 1e5))], stiffness=stiffness, engine=engine)
+        apart = 0.3 * (found.bearing_force["W_back"] - found.bearing_force["W_front"])
+        assert np.abs(apart[:, 2]).min() > 100.0
+        np.testing.assert_allclose(found.bearing_moment["slide_guide"][:, 0], -apart[:, 2], rtol=1e-9)
+        np.testing.assert_allclose(found.bearing_moment["slide_guide"][:, 2], apart[:, 0], rtol=0, atol=1e-6)

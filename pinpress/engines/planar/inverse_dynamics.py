@@ -223,6 +223,7 @@ def idle_wrenches(statics: Statics, states: ClosedStates) -> Idle:
         add_moments_of_guides(plane, statics.guided, functions.functions, functions.ways, still, list(forces), (), moments)
         for bearing, values in moments.items():
             put_normal(plane, values, moment[k, bearing])
+        out_of_plane.add_idle(statics.bodies, forces[len(plane.parents) :].conj(), moment[k])
     return Idle(plane.relation_units[:, None] * found.multipliers, force, moment)
 
 

@@ -78,11 +78,24 @@ def add(
     moments = _tilting_moments(bodies, second, pins, loads)
     if axial is not None:
         moments += _moments_of_axial_forces(bodies, basis, loads, axial)
+    if axial is not None:
+        for i, along in enumerate(plane.normal):
+            if along:
+                force[..., i] += along * axial
+    _share_tilting(bodies, moments, moment)
+
+
+def add_idle(bodies: Bodies, pins: ComplexArray, moment: Array) -> None:
+    """Add the tilting moments that idle forces of the loops (loops, n) bring to the moments (bearings, n, 3) of the bearings."""
+    if not bodies.in_one_plane:
+        _share_tilting(bodies, 1j * (bodies.tilting_by_pins @ pins), moment)
+
+
+def _share_tilting(bodies: Bodies, moments: ComplexArray, moment: Array) -> None:
+    """Add what bearings take of `_tilting_moments` (nv, n) to their moments (bearings, n, 3)."""
     tilting = product(bodies.moment_sharing.astype(complex), moments)
-    for i, (along, first, other) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
+    for i, (first, other) in enumerate(zip(*bodies.plane.axes, strict=True)):
         # most presses stand in a coordinate plane: axes without a component there cost nothing
-        if along and axial is not None:
-            force[..., i] += along * axial
         if first:
             moment[..., i] += first * tilting.real
         if other:
