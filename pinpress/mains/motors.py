@@ -12,11 +12,12 @@ import math
 import os
 from typing import NamedTuple
 
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, caution
 from ..common.reading.columns import Wanted, read_columns
 from ..drives.motors import InductionMotor
 
 MAINS = 50.0  # frequency of a catalogue that names none [Hz], that of `InductionMotor`
+QUICK = 1e-3  # in which no motor turns its own rotor up to speed by its rated torque [s]: 0.01 to 1 s are usual
 CATALOGUE = {
     "motor": Wanted(),
     "rated power": Wanted("W"),
@@ -37,6 +38,9 @@ def read_motors(path: str | os.PathLike[str]) -> dict[str, InductionMotor]:
 
     Raises:
         PinpressError: the file cannot be read, does not have these columns, or has no motor; the message names the row.
+
+    Warns:
+        PinpressWarning: the rated power is far too large for the inertia, as W under a head in kW.
     """
     table = read_columns(path, CATALOGUE)
     motors: dict[str, InductionMotor] = {}
@@ -49,6 +53,10 @@ def read_motors(path: str | os.PathLike[str]) -> dict[str, InductionMotor]:
         frequency = MAINS if math.isnan(frequency) else frequency
         if not 0.0 < speed < 2.0 * math.pi * frequency:
             raise PinpressError(f"{where}: {name}: rated speed is {speed:g} rad/s; give one below that of two poles at {frequency:g} Hz")
+        own = row["inertia"] * speed**2 / row["rated power"] if row["rated power"] > 0.0 else 0.0
+        if 0.0 < own < QUICK:
+            quick = f"{name}: its rated torque turns its own rotor up to speed in {own:.1g} s"
+            caution(f"{where}: {quick}: write the rated power in the unit of its head")
         poles = 2 * math.floor(2.0 * math.pi * frequency / speed)
         try:
             motors[name] = InductionMotor(

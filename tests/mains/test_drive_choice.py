@@ -191,6 +191,13 @@ def test_catalogue_file(tmp_path):
     assert [motor.synchronous_speed / pp.RPM for motor in motors.values()] == pytest.approx([1500, 1200, 1000])
 
 
+def test_watts_under_kilowatts(tmp_path):
+    file = tmp_path / "motors.csv"
+    file.write_text(CSV + "132S-4, 5500, 1455, 2.5, 0.018, 50\n")
+    with pytest.warns(pp.PinpressWarning, match="132S-4: its rated torque turns its own rotor up to speed in 8e-05 s"):
+        pp.mains.read_motors(file)
+
+
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
