@@ -55,7 +55,7 @@ class Mesh(Frozen):
         pitch_point: (3,) where they touch, in the carrier's link frame [m].
         centres: (2, 3) points on the axes of the two, each in its link's frame [m]; of a rack the point of the pitch line as drawn.
         axes: (2, 3) unit vectors of these axes, each in its link's frame; of a rack the direction of its guide.
-        held: (2, 3) points of both axes on the carrier, in the world as drawn [m].
+        on_carrier: (2, 3) points of both axes on the carrier, in the world as drawn [m].
         radii: radii of the pitch circles: two of gears and worms, one of a pinion, none of a screw [m].
     """
 
@@ -67,7 +67,7 @@ class Mesh(Frozen):
     pitch_point: Array
     centres: Array
     axes: Array
-    held: Array
+    on_carrier: Array
     radii: tuple[float, ...]
 
     def __repr__(self) -> str:
@@ -214,11 +214,11 @@ def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint], dev
     if not elements:
         return ()
     drawing, result = _Drawing(model, loops, DEVIATE if deviating else COINCIDE), []
-    for said in elements:
+    for element in elements:
         try:
-            result.append(_PLACES[type(said)](said, drawing))
+            result.append(_PLACES[type(element)](element, drawing))
         except _MeshError as fault:
-            raise _refusal(document, said, *fault.args) from None
+            raise _refusal(document, element, *fault.args) from None
     try:
         result = list(_with_planets(elements, result))
         if not deviating:
@@ -253,21 +253,22 @@ def relations_of(
     parents = [int(parent) - 1 for parent in list(model.parents)[1:]]
     on_loops = {joint for loop in loops for joint in joints_between(parents, loop.joint1 - 1, loop.joint2 - 1)}
     related = {frozenset(other.coefficients): f"joint {other.name!r}" for other in others if other.is_pair}
-    for said, each in zip(document.description.machine_elements, elements, strict=True):
+    for element, each in zip(document.description.machine_elements, elements, strict=True):
         pair = frozenset(each.row)
         if len(pair) == 2 and pair in related:
             names = " and ".join(repr(model.names[joint + 1]) for joint in sorted(pair))
             problem = f"joints {names} are related already, by {related[pair]}"
-            raise _refusal(document, said, problem, "remove one of the two: a ratio stands in one place, teeth bring their forces with it")
+            remedy = "remove one of the two: a ratio stands in one place, teeth bring their forces with it"
+            raise _refusal(document, element, problem, remedy)
         related[pair] = f"{WORDS[each.mesh.kind]} {each.mesh.name!r}"
     taken = {*drivers, *(other.joint for other in others)}
     wanted = [sorted(each.row, key=lambda joint: (joint in taken, joint in on_loops)) for each in elements]
     chosen = _matched([[joint for joint in joints if joint not in taken] for joints in wanted])
     relations = []
-    for k, (said, each) in enumerate(zip(document.description.machine_elements, elements, strict=True)):
+    for k, (element, each) in enumerate(zip(document.description.machine_elements, elements, strict=True)):
         first = chosen.get(k, wanted[k][0])
         row = {first: each.row[first], **each.row}
-        relations.append(Relation(said.name, {joint: by / row[first] for joint, by in row.items()}, 0.0, said.line))
+        relations.append(Relation(element.name, {joint: by / row[first] for joint, by in row.items()}, 0.0, element.line))
     return tuple(relations)
 
 
@@ -299,24 +300,24 @@ def _changed(contact: Contact, change: Callable[[Array], Array], change_push: Ca
 
 def _matched(choices: Sequence[Sequence[int]]) -> dict[int, int]:
     """A different one of its choices for as many places as possible, the first choices of the first places where that can be."""
-    of: dict[int, int] = {}  # places by what they have
+    holders: dict[int, int] = {}  # places by what they have
 
     def find(place: int, seen: set[int]) -> bool:
         for choice in choices[place]:
             if choice not in seen:
                 seen.add(choice)
-                if choice not in of or find(of[choice], seen):
-                    of[choice] = place
+                if choice not in holders or find(holders[choice], seen):
+                    holders[choice] = place
                     return True
         return False
 
     for place in range(len(choices)):
         find(place, set())
-    return {place: choice for choice, place in of.items()}
+    return {place: choice for choice, place in holders.items()}
 
 
-def _refusal(document: Document, said: MachineElement, problem: str, remedy: str) -> UrdfError:
-    return UrdfError(document.file, document.called(TAGS[type(said)], said.name), said.line, problem, remedy)
+def _refusal(document: Document, element: MachineElement, problem: str, remedy: str) -> UrdfError:
+    return UrdfError(document.file, document.called(TAGS[type(element)], element.name), element.line, problem, remedy)
 
 
 # ------------------------------------------------------------------------------------------------------------------------ the drawing
@@ -391,29 +392,29 @@ class _Drawing:
     def centres(self, link: str, at: Sequence[float] | None = None) -> list[_Centre]:
         """Where the axis of a gear may be: at the pins of its body, or at a point ``at`` in the frame of its link alone."""
         body = self.body(link)
-        found: list[_Centre] = []
+        centres: list[_Centre] = []
         wanted = None if at is None else self.place(link).act(np.array(at))
-        own = [(point, self.plane if pin_.axis is None else pin_.axis, pin_) for pin_ in self.pins for point, *_ in pin_.seen_from(body)]
-        for point, axis, _ in own:
-            known = any(_apart(point, other.point, axis) < self.near and _across(axis, other.axis) < ALIGNED for other in found)
-            if not known and (wanted is None or _apart(point, wanted, axis) < self.near):
-                found.append(self._centre(body, point, axis))
-        if wanted is not None and not found:
-            away, nearest = min(((float(np.linalg.norm(point - wanted)), pin_.name) for point, _, pin_ in own), default=(0.0, ""))
+        pins = [(point, self.plane if pin_.axis is None else pin_.axis, pin_) for pin_ in self.pins for point, *_ in pin_.seen_from(body)]
+        for point, axis, _ in pins:
+            listed = any(_apart(point, other.point, axis) < self.near and _across(axis, other.axis) < ALIGNED for other in centres)
+            if not listed and (wanted is None or _apart(point, wanted, axis) < self.near):
+                centres.append(self._centre(body, point, axis))
+        if wanted is not None and not centres:
+            away, nearest = min(((float(np.linalg.norm(point - wanted)), pin_.name) for point, _, pin_ in pins), default=(0.0, ""))
             near = f"{nearest!r} is {1e3 * away:.4g} mm away" if nearest else "it has none at all"
             centre = ", ".join(f"{value:.6g}" for value in at or ())
             problem = f"no pin of link {link!r} is at the centre ({centre}) of its gear: {near}"
             raise _MeshError(problem, "give the place of one of its pins, in the axes of the link")
-        return found
+        return centres
 
     def _centre(self, body: int, point: Array, axis: Array) -> _Centre:
         """The centre of a gear, with all bodies that pins on its axis join to it, one by one."""
         holders, reached, names = {body: point}, [body], []
         for this in reached:  # grows as it goes
             for pin_ in self.pins:
-                for own, other, there in pin_.seen_from(this):
+                for here, other, there in pin_.seen_from(this):
                     coaxial = pin_.axis is None or _across(pin_.axis, axis) < ALIGNED
-                    if coaxial and _apart(own, holders[this], axis) < self.near:
+                    if coaxial and _apart(here, holders[this], axis) < self.near:
                         names.append(pin_.name)
                         if other not in holders:
                             holders[other] = there
@@ -440,10 +441,10 @@ class _Drawing:
     def guide(self, carrier: int, body: int) -> Array | None:
         """Axis of the guide of a body that moves against a carrier along a line, on it or both on others; None if it does not."""
         between = list(joints_between(self.parents, carrier - 1, body - 1))
-        own = next((joint for joint in between if body in (joint + 1, self.parents[joint] + 1)), None)
-        if own is None or any(self.axes[j].turns or _across(self.directions[j], self.directions[own]) > ALIGNED for j in between):
+        first = next((joint for joint in between if body in (joint + 1, self.parents[joint] + 1)), None)
+        if first is None or any(self.axes[j].turns or _across(self.directions[j], self.directions[first]) > ALIGNED for j in between):
             return None
-        return self.directions[own]
+        return self.directions[first]
 
 
 def _apart(point: Array, other: Array, axis: Array) -> float:
@@ -475,7 +476,7 @@ class _Shafts(NamedTuple):
     carrier: int
     centres: tuple[Array, Array]
     axes: tuple[Array, Array]
-    own: tuple[Array, Array]
+    points: tuple[Array, Array]
     first_is_planet: bool = False
 
 
@@ -483,7 +484,7 @@ def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequ
     """The axes of two links, parallel or ``crossed`` at a right angle, that one carrier holds apart; ``named``: the carrier's link."""
     bodies = tuple(map(drawing.body, links))
     wanted = drawing.body(named) if named else None
-    found: dict[int, _Shafts] = {}
+    shafts: dict[int, _Shafts] = {}
     coaxial, skew = False, 0.0
     for one in centres[0]:
         for other in centres[1]:
@@ -499,12 +500,12 @@ def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequ
                     continue
                 # A planet is held by its carrier alone, a sun or ring also by what the carrier turns on.
                 first_is_planet = len(one.holders) == 2 < len(other.holders)
-                found.setdefault(body, _Shafts(body, ends, (one.axis, other.axis), (one.point, other.point), first_is_planet))
-    if len(found) > 1:
-        carriers = " and ".join(repr(drawing.link(body)) for body in found)
-        raise _MeshError(f"links {carriers} hold both centres", f'name the one that is meant, carrier="{drawing.link(next(iter(found)))}"')
-    if found:
-        return next(iter(found.values()))
+                shafts.setdefault(body, _Shafts(body, ends, (one.axis, other.axis), (one.point, other.point), first_is_planet))
+    if len(shafts) > 1:
+        carriers = " and ".join(repr(drawing.link(body)) for body in shafts)
+        raise _MeshError(f"links {carriers} hold both centres", f'name the one that is meant, carrier="{drawing.link(next(iter(shafts)))}"')
+    if shafts:
+        return next(iter(shafts.values()))
     if coaxial:
         problem = f"the centres of {links[0]!r} and {links[1]!r} are in one point: their distance is 0"
         raise _MeshError(problem, "write <mimic>, in a table gears:, for a belt, a chain or a coupling, or correct the centre")
@@ -514,38 +515,38 @@ def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequ
         raise _MeshError("the axes of the two gears are not parallel", "a worm is for axes that cross; bevel gears are not supported")
     if skew:
         raise _MeshError("the axes of the two gears are not parallel", "write angles in full, 1.5707963267948966 for a quarter turn")
-    held = [_held(drawing, link, of) for link, of in zip(links, centres, strict=True)]
+    carried = [_carried(drawing, link, of) for link, of in zip(links, centres, strict=True)]
     holding = f"link {named!r} does not hold both" if named else "no link holds both"
-    problem = f"{held[0]}, {held[1]}: {holding}, so that the teeth would part"
+    problem = f"{carried[0]}, {carried[1]}: {holding}, so that the teeth would part"
     raise _MeshError(problem, "let one link carry both axes, or name the gears that mesh")
 
 
-def _held(drawing: _Drawing, link: str, centres: Sequence[_Centre]) -> str:
+def _carried(drawing: _Drawing, link: str, centres: Sequence[_Centre]) -> str:
     """What carries the axes of a gear, as text."""
     body = drawing.body(link)
     if not centres:
         return f"link {link!r} has no pin about which it turns"
-    carried = (f"{centre.pins[0]!r} by {' and '.join(repr(drawing.link(b)) for b in centre.holders if b != body)}" for centre in centres)
-    return f"the axis of {link!r} is carried at {', '.join(carried)}"
+    pins = (f"{centre.pins[0]!r} by {' and '.join(repr(drawing.link(b)) for b in centre.holders if b != body)}" for centre in centres)
+    return f"the axis of {link!r} is carried at {', '.join(pins)}"
 
 
-def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
+def _gears(element: GearMesh, drawing: _Drawing) -> Placed:
     """Two gears."""
-    links, z1, z2 = (said.gear1, said.gear2), said.teeth1, said.teeth2
-    at = [drawing.centres(said.gear1, said.center1), drawing.centres(said.gear2, said.center2)]
-    shafts = _shafts(drawing, links, said.carrier, at, crossed=False)
+    links, z1, z2 = (element.gear1, element.gear2), element.teeth1, element.teeth2
+    centres = [drawing.centres(element.gear1, element.center1), drawing.centres(element.gear2, element.center2)]
+    shafts = _shafts(drawing, links, element.carrier, centres, crossed=False)
     carrier, (c1, c2), (axis, _) = shafts[:3]
-    bodies = drawing.body(said.gear1), drawing.body(said.gear2)
+    bodies = drawing.body(element.gear1), drawing.body(element.gear2)
     between = c2 - c1 - ((c2 - c1) @ axis) * axis
     distance = float(np.linalg.norm(between))
     along = between / distance
     r1 = distance * z1 / (z1 + z2)
     point = c1 + r1 * along + 0.5 * ((c2 - c1) @ axis) * axis  # in the middle of the teeth, halfway between the two
-    helix, normal, hand = math.radians(said.helix), math.radians(said.pressure_angle), 1.0 if said.hand == "right" else -1.0
+    helix, normal, hand = math.radians(element.helix), math.radians(element.pressure_angle), 1.0 if element.hand == "right" else -1.0
     pressure = math.atan(math.tan(normal) / math.cos(helix))
     module = 2 * distance * math.cos(helix) / abs(z1 + z2)
-    if said.module:
-        module = said.module
+    if element.module:
+        module = element.module
         nominal = 0.5 * module * abs(z1 + z2) / math.cos(helix)
         cosine = nominal * math.cos(pressure) / distance
         if cosine >= 1.0 or abs(distance - nominal) > SHIFTED * module:
@@ -553,21 +554,21 @@ def _gears(said: GearMesh, drawing: _Drawing) -> Placed:
         pressure, helix = math.acos(cosine), math.atan(math.tan(helix) * distance / nominal)
     across = cross(axis, along)
     tangential = -(z1 + z2) / distance * across  # of gear 1 on gear 2 where the multiplier of the row is 1
-    thrust = 0.0 if said.double_helical else -hand * math.copysign(1.0, r1) * math.tan(helix)
+    thrust = 0.0 if element.double_helical else -hand * math.copysign(1.0, r1) * math.tan(helix)
     # Teeth push the external gear of a pair to its own centre.
     to_external = -math.copysign(1.0, r1) * along if z1 > 0 else math.copysign(1.0, distance - r1) * along
     size = abs(z1 + z2) / distance
     push = size * math.tan(pressure) * (-to_external if z1 > 0 else to_external)
     force = tangential + (tangential @ across) * thrust * axis
-    arm = (1.0 - said.efficiency) * abs(r1 * z2 / (z1 + z2))
+    arm = (1.0 - element.efficiency) * abs(r1 * z2 / (z1 + z2))
     rubbing = (Rubbing(*bodies, ZERO, size * axis, arm, arm),) if arm else ()
     row = _sum((z1, drawing.turn(carrier, bodies[0], axis, "gear 1")), (z2, drawing.turn(carrier, bodies[1], axis, "gear 2")))
     planet, pin_of, center = (bodies[0], c1, c2) if shafts.first_is_planet else (bodies[1], c2, c1)
-    unit, count = UnitWrench(point, force, ZERO, push), round(said.planets)
+    unit, count = UnitWrench(point, force, ZERO, push), round(element.planets)
     teeth: dict[str, Any] = {"teeth": (round(z1), round(z2)), "module": module, "pressure_angle": pressure, "helix": helix}
-    teeth |= {"links": links, "ratio": -z1 / z2, "radii": (abs(r1), abs(distance - r1)), "efficiency": said.efficiency, "planets": count}
+    teeth |= {"links": links, "ratio": -z1 / z2, "radii": (abs(r1), abs(distance - r1)), "efficiency": element.efficiency, "planets": count}
     planets = Planets(count, planet, pin_of, center, axis)
-    return _element(drawing, said, Gears, shafts, row, unit, rubbing, teeth, planets)
+    return _element(drawing, element, Gears, shafts, row, unit, rubbing, teeth, planets)
 
 
 def _wrong_distance(module: float, nominal: float, drawn: float) -> tuple[str, str]:
@@ -578,7 +579,7 @@ def _wrong_distance(module: float, nominal: float, drawn: float) -> tuple[str, s
 
 def _element(
     drawing: _Drawing,
-    said: MachineElement,
+    element: MachineElement,
     kind: type[Mesh],
     shafts: _Shafts,
     row: Mapping[int, float],
@@ -588,13 +589,15 @@ def _element(
     planets: Planets | None = None,
 ) -> Placed:
     """An element from points and directions in the world as drawn; ``attributes``: those of its mesh that the drawing does not say."""
-    carrier, held, axes, points, _ = shafts
-    links, link = attributes["links"], getattr(said, "carrier", "") or drawing.link(carrier)
+    carrier, on_carrier, axes, points, _ = shafts
+    links, link = attributes["links"], getattr(element, "carrier", "") or drawing.link(carrier)
     frames, frame = [drawing.place(name) for name in links], drawing.places[carrier]
     centres = np.array([place.actInv(point) for place, point in zip(frames, points, strict=True)])
     directions = np.array([place.rotation.T @ axis for place, axis in zip(frames, axes, strict=True)])
     touching = drawing.place(link).actInv(unit.point)
-    mesh = kind(said.name, carrier=link, pitch_point=touching, centres=centres, axes=directions, held=np.array(held), **attributes)
+    mesh = kind(
+        element.name, carrier=link, pitch_point=touching, centres=centres, axes=directions, on_carrier=np.array(on_carrier), **attributes
+    )
 
     def turned(vector: Array) -> Array:
         return np.asarray(frame.rotation.T @ vector)
@@ -602,19 +605,19 @@ def _element(
     if planets is not None:
         planets = planets._replace(pin=frame.actInv(planets.pin), center=frame.actInv(planets.center), axis=turned(planets.axis))
     unit, (first, second) = unit._replace(point=frame.actInv(unit.point)), map(drawing.body, links)
-    contact = Contact(said.name, kind.kind, -1, first, second, carrier, unit, tuple(rubbing), planets)
+    contact = Contact(element.name, kind.kind, -1, first, second, carrier, unit, tuple(rubbing), planets)
     return Placed(mesh, row, _changed(contact, turned, turned))
 
 
 def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) -> Iterator[Placed]:
     """The elements, each mesh of a planet with the number of planets that stands at the planet's other mesh."""
-    for said, each in zip(elements, places, strict=True):
+    for element, each in zip(elements, places, strict=True):
         if isinstance(each.mesh, Gears) and each.contact.planets is not None:
             others = [its for its in places if _on_one_planet(each, its)]
             number = max(its.mesh.planets for its in (each, *others) if isinstance(its.mesh, Gears))
             if each.mesh.planets not in (1, number):
                 problem = f"planets is {each.mesh.planets}, and {number} at the planet's other mesh"
-                raise _MeshError(said, problem, "write the same number in both")
+                raise _MeshError(element, problem, "write the same number in both")
             drawn = each.contact.planets._replace(number=number)
             if any(drawn.planet not in (its.contact.first, its.contact.second) for its in others):
                 planet = each.contact.first if drawn.planet == each.contact.second else each.contact.second
@@ -632,67 +635,67 @@ def _shared(one: Placed, other: Placed) -> list[tuple[int, int]]:
 
 def _on_one_planet(one: Placed, other: Placed) -> bool:
     """Whether two pairs of gears share one, about the axis of whose carrier the two others are."""
-    apart = [float(np.linalg.norm(one.mesh.held[1 - i] - other.mesh.held[1 - j])) for i, j in _shared(one, other)]
+    apart = [float(np.linalg.norm(one.mesh.on_carrier[1 - i] - other.mesh.on_carrier[1 - j])) for i, j in _shared(one, other)]
     return len(apart) == 1 and apart[0] < 1e-3 * sum(one.mesh.radii)
 
 
-def _hand(said: GearMesh, gear: int) -> str:
+def _hand(element: GearMesh, gear: int) -> str:
     """Hand of the helix of the first (0) or the second (1) gear; empty without one, or with both."""
-    if not said.helix or said.double_helical:
+    if not element.helix or element.double_helical:
         return ""
-    same = gear == 0 or said.teeth1 * said.teeth2 < 0
-    return said.hand if same else "left" if said.hand == "right" else "right"
+    same = gear == 0 or element.teeth1 * element.teeth2 < 0
+    return element.hand if same else "left" if element.hand == "right" else "right"
 
 
 def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Placed]) -> None:
     """Raise a fault of a gear that has two modules or two hands, or of planets that do not fit."""
     pairs = zip(elements, places, strict=True)
-    gears = [(said, each, each.mesh) for said, each in pairs if isinstance(said, GearMesh) and isinstance(each.mesh, Gears)]
-    for (other, its, before), (said, each, mesh) in itertools.combinations(gears, 2):
+    gears = [(element, each, each.mesh) for element, each in pairs if isinstance(element, GearMesh) and isinstance(each.mesh, Gears)]
+    for (other, its, before), (element, each, mesh) in itertools.combinations(gears, 2):
         for i, j in _shared(each, its):
-            same = mesh.teeth[i] == before.teeth[j] and bool(said.module) == bool(other.module)
+            same = mesh.teeth[i] == before.teeth[j] and bool(element.module) == bool(other.module)
             if same and abs(mesh.module - before.module) > 1e-6 * before.module:
                 its_own = f"module {1e3 * mesh.module:.6g} mm, in gear mesh {before.name!r} {1e3 * before.module:.6g} mm"
                 remedy = "correct teeth or centre distance: one gear has one module"
-                raise _MeshError(said, f"gear {mesh.links[i]!r} has {its_own}", remedy)
-            hands = _hand(said, i), _hand(other, j)
+                raise _MeshError(element, f"gear {mesh.links[i]!r} has {its_own}", remedy)
+            hands = _hand(element, i), _hand(other, j)
             if mesh.teeth[i] == before.teeth[j] and all(hands) and hands[0] != hands[1]:
                 problem = f"the helix of gear {mesh.links[i]!r} is {hands[0]}, in gear mesh {before.name!r} {hands[1]}"
                 remedy = "correct one hand, that of the first gear: two gears side by side have different hands, a ring that of its pinion"
-                raise _MeshError(said, problem, remedy)
+                raise _MeshError(element, problem, remedy)
             ring, sun = sorted((mesh.teeth[1 - i], before.teeth[1 - j]))
             if same and ring < 0 < sun and _on_one_planet(each, its) and (sun - ring) % mesh.planets:
                 problem = f"{mesh.planets} planets do not fit between sun and ring: ({sun} + {-ring})/{mesh.planets} is not whole"
-                raise _MeshError(said, problem, "change teeth or planets")
+                raise _MeshError(element, problem, "change teeth or planets")
 
 
 # ------------------------------------------------------------------------------------------------------------- racks, screws, worms
 
 
-def _rack(said: Rack, drawing: _Drawing) -> Placed:
+def _rack(element: Rack, drawing: _Drawing) -> Placed:
     """A pinion and its rack."""
-    pinion, rack = drawing.body(said.pinion), drawing.body(said.rack)
-    wanted = drawing.body(said.carrier) if said.carrier else None
-    centres = drawing.centres(said.pinion)
+    pinion, rack = drawing.body(element.pinion), drawing.body(element.rack)
+    wanted = drawing.body(element.carrier) if element.carrier else None
+    centres = drawing.centres(element.pinion)
     able = [(centre, body) for centre in centres for body in centre.holders if body != pinion and wanted in (None, body)]
-    found = [(centre, body, guide) for centre, body in able if (guide := drawing.guide(body, rack)) is not None]
-    if not found:
-        problem = f"{_held(drawing, said.pinion, centres)}, and no link that carries the pinion guides {said.rack!r}"
+    guided = [(centre, body, guide) for centre, body in able if (guide := drawing.guide(body, rack)) is not None]
+    if not guided:
+        problem = f"{_carried(drawing, element.pinion, centres)}, and no link that carries the pinion guides {element.rack!r}"
         raise _MeshError(problem, "let one link carry the pinion and guide the rack along a line")
-    (centre, carrier, guide), *_ = found
+    (centre, carrier, guide), *_ = guided
     axis, middle = centre.axis, centre.holders[carrier]
     if abs(axis @ guide) > ALIGNED:
         raise _MeshError("the rack is not guided across the pinion's axis", "turn the axis of its guide, or that of the pinion")
-    helix, hand = math.radians(said.helix), 1.0 if said.hand == "right" else -1.0
-    radius = said.radius or 0.5 * said.module * said.teeth / math.cos(helix)
+    helix, hand = math.radians(element.helix), 1.0 if element.hand == "right" else -1.0
+    radius = element.radius or 0.5 * element.module * element.teeth / math.cos(helix)
     # The viewer sees x to the right and z up, or what is left of them: the pinion's axis points towards him.
     towards = axis * np.array([1.0, -1.0, 1.0])
     depth = int(np.argmax(np.abs(towards)))
     viewer = axis * np.sign(towards[depth])
     left = cross(viewer, -guide if guide[1 if depth == 2 else 2] < -ALIGNED else guide)  # seen upwards, wherever the guide points
-    side = said.side
+    side = element.side
     if not side:
-        points = [drawing.place(said.rack).translation, *(point for pin_ in drawing.pins for point, _, _ in pin_.seen_from(rack))]
+        points = [drawing.place(element.rack).translation, *(point for pin_ in drawing.pins for point, _, _ in pin_.seen_from(rack))]
         off = next((off for point in points if rack and abs(off := float((middle - point) @ left)) > drawing.near), 0.0)
         if not off:
             raise _MeshError("the drawing does not say on which side of the rack the pinion lies", 'write side="left" or side="right"')
@@ -700,21 +703,21 @@ def _rack(said: Rack, drawing: _Drawing) -> Placed:
     outward = -left if side == "left" else left  # from the pinion to the rack
     way = float(cross(axis, outward) @ guide)  # 1: the rack goes along its guide where the pinion turns positively about its axis
     point = middle + radius * outward
-    pressure = math.atan(math.tan(math.radians(said.pressure_angle)) / math.cos(helix))
+    pressure = math.atan(math.tan(math.radians(element.pressure_angle)) / math.cos(helix))
     force = guide - hand * way * math.tan(helix) * axis
-    arm = (1.0 - said.efficiency) * radius
+    arm = (1.0 - element.efficiency) * radius
     rubbing = (Rubbing(pinion, rack, ZERO, axis, arm, arm),) if arm else ()
     row = _sum((1.0, drawing.way(carrier, rack, guide)), (-way * radius, drawing.turn(carrier, pinion, axis, "the pinion")))
     shafts = _Shafts(carrier, (middle, point), (axis, guide), (centre.point, point))
     unit = UnitWrench(point, force, ZERO, math.tan(pressure) * outward)
-    teeth: dict[str, Any] = {"side": side, "pressure_angle": pressure, "helix": helix, "efficiency": said.efficiency}
-    teeth |= {"links": (said.pinion, said.rack), "ratio": way * radius, "radii": (radius,)}
-    return _element(drawing, said, RackAndPinion, shafts, row, unit, rubbing, teeth)
+    teeth: dict[str, Any] = {"side": side, "pressure_angle": pressure, "helix": helix, "efficiency": element.efficiency}
+    teeth |= {"links": (element.pinion, element.rack), "ratio": way * radius, "radii": (radius,)}
+    return _element(drawing, element, RackAndPinion, shafts, row, unit, rubbing, teeth)
 
 
-def _screw(said: Screw, drawing: _Drawing) -> Placed:
+def _screw(element: Screw, drawing: _Drawing) -> Placed:
     """A screw and its nut."""
-    screw, nut = drawing.body(said.screw), drawing.body(said.nut)
+    screw, nut = drawing.body(element.screw), drawing.body(element.nut)
     between = joints_between(drawing.parents, screw - 1, nut - 1)  # the first of them stands on the carrier
     turning = [joint for joint in between if drawing.axes[joint].turns]
     sliding = [joint for joint in between if not drawing.axes[joint].turns]
@@ -729,72 +732,67 @@ def _screw(said: Screw, drawing: _Drawing) -> Placed:
         raise _MeshError(
             "the nut is not guided along the axis of the screw", "turn the axis of its guide, or of the screw; a pinion has a <rack>"
         )
-    per_radian = said.lead / (2 * math.pi) * (1.0 if said.hand == "right" else -1.0)
+    per_radian = element.lead / (2 * math.pi) * (1.0 if element.hand == "right" else -1.0)
     ends = drawing.parents[joint] + 1, joint + 1
     turns = screw if screw in ends else nut
     holder = ends[1 - ends.index(turns)] if turns in ends else ends[0]
     origin = drawing.places[joint + 1].translation
-    point = origin + ((drawing.place(said.nut).translation - origin) @ axis) * axis
+    point = origin + ((drawing.place(element.nut).translation - origin) @ axis) * axis
     driving = math.copysign(1.0, per_radian) * axis  # so that a positive effort at a positive speed is the screw that drives
-    lead, rho = _thread(said)
-    if said.friction and lead + rho >= 0.5 * math.pi:
+    lead, rho = _thread(element)
+    if element.friction and lead + rho >= 0.5 * math.pi:
         raise _MeshError("its thread is so steep that friction locks it where the screw drives", "correct lead, diameter or friction")
     forward, backward = math.tan(lead + rho), math.tan(lead - rho)
-    half = 0.5 * said.diameter
+    half = 0.5 * element.diameter
     rubbing = []
-    if said.friction:
+    if element.friction:
         rubbing.append(Rubbing(screw, nut, ZERO, driving, half * (forward - math.tan(lead)), half * (math.tan(lead) - backward)))
-    if said.collar_friction:
-        arm = 0.5 * said.collar_friction * said.collar_diameter
+    if element.collar_friction:
+        arm = 0.5 * element.collar_friction * element.collar_diameter
         rubbing.append(Rubbing(turns, holder, ZERO, axis, arm, arm))
     row = _sum((1.0, drawing.way(screw, nut, axis)), (-per_radian, {joint: between[joint]}))
     shafts = _Shafts(drawing.parents[min(between)] + 1, (origin, point), (axis, axis), (origin, point))
     unit = UnitWrench(point, axis, -per_radian * axis)
-    efficiency, back = (math.tan(lead) / forward, backward / math.tan(lead)) if said.friction else (1.0, 1.0)
-    thread: dict[str, Any] = {
-        "lead": said.lead,
-        "lead_angle": lead,
-        "friction_angle": rho,
-        "efficiency": efficiency,
-        "efficiency_backward": back,
-    }
-    thread |= {"links": (said.screw, said.nut), "ratio": -per_radian, "radii": ()}
-    return _element(drawing, said, ScrewAndNut, shafts, row, unit, rubbing, thread)
+    efficiency, back = (math.tan(lead) / forward, backward / math.tan(lead)) if element.friction else (1.0, 1.0)
+    thread: dict[str, Any] = {"lead": element.lead, "lead_angle": lead, "friction_angle": rho}
+    thread |= {"efficiency": efficiency, "efficiency_backward": back}
+    thread |= {"links": (element.screw, element.nut), "ratio": -per_radian, "radii": ()}
+    return _element(drawing, element, ScrewAndNut, shafts, row, unit, rubbing, thread)
 
 
-def _thread(said: Screw) -> tuple[float, float]:
+def _thread(element: Screw) -> tuple[float, float]:
     """Lead angle at the mean diameter and angle of friction of a thread [rad]."""
-    lead = math.atan2(said.lead, math.pi * said.diameter)
-    flank = math.atan(math.tan(math.radians(said.flank)) * math.cos(lead))  # in the section across the thread
-    return lead, math.atan(said.friction / math.cos(flank))
+    lead = math.atan2(element.lead, math.pi * element.diameter)
+    flank = math.atan(math.tan(math.radians(element.flank)) * math.cos(lead))  # in the section across the thread
+    return lead, math.atan(element.friction / math.cos(flank))
 
 
-def _worm(said: Worm, drawing: _Drawing) -> Placed:
+def _worm(element: Worm, drawing: _Drawing) -> Placed:
     """A worm and its wheel."""
-    links = said.worm, said.wheel
-    bodies = drawing.body(said.worm), drawing.body(said.wheel)
-    at = [drawing.centres(link) for link in links]
-    shafts = _shafts(drawing, links, said.carrier, at, crossed=True)
+    links = element.worm, element.wheel
+    bodies = drawing.body(element.worm), drawing.body(element.wheel)
+    centres = [drawing.centres(link) for link in links]
+    shafts = _shafts(drawing, links, element.carrier, centres, crossed=True)
     carrier, (c1, c2), (axis1, axis2) = shafts[:3]
     along = cross(axis1, axis2)
     along *= math.copysign(1.0, (c2 - c1) @ along)
     distance = float((c2 - c1) @ along)
     if distance < drawing.near:
         raise _MeshError("the axes of worm and wheel meet: their distance is 0", "draw them apart; bevel gears are not supported")
-    z1, z2 = said.starts, said.teeth
-    module = said.module or 2 * distance / (said.quotient + z2)
+    z1, z2 = element.starts, element.teeth
+    module = element.module or 2 * distance / (element.quotient + z2)
     r2 = 0.5 * module * z2
     r1 = distance - r2
-    if not r1 > 0.0 or (said.quotient and abs(r1 - 0.5 * module * said.quotient) > SHIFTED * module):
-        nominal = 0.5 * module * (said.quotient + z2)
+    if not r1 > 0.0 or (element.quotient and abs(r1 - 0.5 * module * element.quotient) > SHIFTED * module):
+        nominal = 0.5 * module * (element.quotient + z2)
         raise _MeshError(*_wrong_distance(module, nominal, distance))
     lead = math.atan(0.5 * module * z1 / r1)
     # The pitch point is where both axes are nearest to each other.
     point = c1 + ((c2 - c1) @ axis1) * axis1 + r1 * along
-    hand = 1.0 if said.hand == "right" else -1.0
+    hand = 1.0 if element.hand == "right" else -1.0
     wheel = math.copysign(1.0, cross(axis2, -along) @ axis1)  # 1: the wheel's teeth go along the worm's axis as it turns positively
     around = cross(axis1, along)  # the way of the worm's teeth
-    normal = math.radians(said.pressure_angle)
+    normal = math.radians(element.pressure_angle)
     by_wheel = z2 / r2  # force along the worm's axis by the multiplier of the row
 
     def across(friction: float) -> tuple[float, float]:
@@ -804,10 +802,10 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
             raise _MeshError("its thread is so steep that friction locks it where the worm drives", "correct starts, quotient or friction")
         return (math.cos(normal) * math.sin(lead) + friction * math.cos(lead)) / d, math.sin(normal) / d
 
-    (forward, push), (backward, push_back) = across(said.friction), across(-said.friction)
+    (forward, push), (backward, push_back) = across(element.friction), across(-element.friction)
     ideal = math.tan(lead)
     rubbing: tuple[Rubbing, ...] = ()
-    if said.friction:
+    if element.friction:
         driving = hand * by_wheel * around  # so that a positive effort at a positive speed is the worm that drives
         rubbing = (Rubbing(*bodies, driving, ZERO, forward - ideal, ideal - backward, by_wheel * push_back * along),)
     row = _sum(
@@ -817,7 +815,7 @@ def _worm(said: Worm, drawing: _Drawing) -> Placed:
     teeth: dict[str, Any] = {"links": links, "ratio": -hand * wheel * z1 / z2, "radii": (r1, r2), "lead_angle": lead}
     teeth |= {"efficiency": ideal / forward, "efficiency_backward": backward / ideal}
     teeth |= {"starts": round(z1), "teeth": round(z2), "module": module}
-    return _element(drawing, said, WormAndWheel, shafts, row, unit, rubbing, teeth)
+    return _element(drawing, element, WormAndWheel, shafts, row, unit, rubbing, teeth)
 
 
 _PLACES: dict[type[MachineElement], Callable[..., Placed]] = {GearMesh: _gears, Rack: _rack, Screw: _screw, Worm: _worm}

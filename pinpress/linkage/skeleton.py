@@ -56,7 +56,7 @@ def pitch_circles(model: pin.Model, meshes: Iterable[Mesh]) -> list[PitchCircle]
     """Pitch circles of gears and pinions, which mesh in the drawn pose of a model; one for each mesh of a gear."""
     places, circles = drawn_placements(model), []
     for mesh in meshes:
-        for link, centre, axis, radius in zip(mesh.links, mesh.held, mesh.axes, mesh.radii, strict=False):
+        for link, centre, axis, radius in zip(mesh.links, mesh.on_carrier, mesh.axes, mesh.radii, strict=False):
             frame = model.frames[model.getFrameId(link, pin.BODY)]
             turned = places[frame.parentJoint].rotation @ frame.placement.rotation @ axis
             circles.append(PitchCircle(link, int(frame.parentJoint), centre, turned, radius))

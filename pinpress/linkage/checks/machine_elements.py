@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator
 
 from ...common.errors import suggestion
@@ -20,11 +21,11 @@ STEEPEST = {"pressure_angle": 45.0, "helix": 60.0, "flank": 60.0}  # [deg]
 def problems(robot: Element, description: Description) -> Iterator[Problem]:
     """Problems of all such elements, of each by itself and of two for the same links."""
     meshing: dict[frozenset[str], str] = {}
-    for element, said in zip(robot.all(*MACHINE_ELEMENTS), description.machine_elements, strict=True):
+    for element, contents in zip(robot.all(*MACHINE_ELEMENTS), description.machine_elements, strict=True):
         links = tuple(element.get(name) for name in _LINKS[element.tag])
         yield from link_problems(element, links, description)
         yield from ((element, *problem) for problem in _number_problems(element))
-        yield from ((element, *problem) for problem in itertools.chain(_word_problems(element), _PROBLEMS[type(said)](said)))
+        yield from ((element, *problem) for problem in itertools.chain(_word_problems(element), _PROBLEMS[type(contents)](contents)))
         bodies = frozenset(description.bodies.get(link, link) for link in links)
         if bodies in meshing:
             yield element, f"{links[0]!r} and {links[1]!r} mesh already, in {meshing[bodies]!r}", "remove one of the two"
@@ -61,7 +62,7 @@ def _number_problems(element: Element) -> Iterator[tuple[str, str]]:
     for name, most in STEEPEST.items():
         angle = element.number(name, 0.0)
         if 0.0 < angle < 1.0:
-            yield f"{name} is {angle:g} deg, as if in radians", f"write degrees: {angle * 57.29577951308232:.6g}"
+            yield f"{name} is {angle:g} deg, as if in radians", f"write degrees: {math.degrees(angle):.6g}"
         elif not 0.0 <= angle < most:
             yield f"{name} is {angle:g} deg", f"write degrees, from 0 to {most:g}; hand says the sense of a helix or thread"
     if not 0.0 < element.number("efficiency", 1.0) <= 1.0:
@@ -89,34 +90,34 @@ def _word_problems(element: Element) -> Iterator[tuple[str, str]]:
             yield f"{name} is {word!r}{suggestion(word, words)}", f"write {name}: {' or '.join(words)}"
 
 
-def _gears(said: GearMesh) -> Iterator[tuple[str, str]]:
-    if said.teeth1 < 0 and said.teeth2 < 0:
+def _gears(gears: GearMesh) -> Iterator[tuple[str, str]]:
+    if gears.teeth1 < 0 and gears.teeth2 < 0:
         yield "both gears are internal, with teeth below zero", "write one of the two numbers of teeth above zero"
-    elif said.teeth1 * said.teeth2 < 0 and (ring := -min(said.teeth1, said.teeth2)) <= max(said.teeth1, said.teeth2):
-        pinion = max(said.teeth1, said.teeth2)
+    elif gears.teeth1 * gears.teeth2 < 0 and (ring := -min(gears.teeth1, gears.teeth2)) <= max(gears.teeth1, gears.teeth2):
+        pinion = max(gears.teeth1, gears.teeth2)
         yield f"the internal gear has {ring:g} teeth, and the pinion in it {pinion:g}", "give the internal gear more teeth than its pinion"
 
 
-def _rack(said: Rack) -> Iterator[tuple[str, str]]:
-    by_module = bool(said.module and said.teeth)
-    if bool(said.radius) == by_module or (said.radius and (said.module or said.teeth)):
-        yield "its pinion has no radius" if not said.radius else "the radius stands there twice", "give a radius, or else module and teeth"
+def _rack(rack: Rack) -> Iterator[tuple[str, str]]:
+    by_module = bool(rack.module and rack.teeth)
+    if bool(rack.radius) == by_module or (rack.radius and (rack.module or rack.teeth)):
+        yield "its pinion has no radius" if not rack.radius else "the radius stands there twice", "give a radius, or else module and teeth"
 
 
-def _screw(said: Screw) -> Iterator[tuple[str, str]]:
-    if not said.lead:
+def _screw(screw: Screw) -> Iterator[tuple[str, str]]:
+    if not screw.lead:
         yield "its lead is 0", "write the travel in one turn"
-    if said.friction and not said.diameter:
+    if screw.friction and not screw.diameter:
         yield "it has friction and no diameter", "give the mean diameter of the thread"
-    if said.collar_friction and not said.collar_diameter:
+    if screw.collar_friction and not screw.collar_diameter:
         yield "its collar has friction and no diameter", "give collar_diameter, the mean diameter of the collar"
 
 
-def _worm(said: Worm) -> Iterator[tuple[str, str]]:
-    if not said.module and not said.quotient:
+def _worm(worm: Worm) -> Iterator[tuple[str, str]]:
+    if not worm.module and not worm.quotient:
         yield "neither its module nor its quotient is given", "give quotient, the pitch diameter of the worm by the module, or module"
-    if said.quotient and not 1.0 <= said.quotient <= 1000.0:
-        yield f"quotient is {said.quotient:g}", "write the pitch diameter of the worm by the module, such as 10"
+    if worm.quotient and not 1.0 <= worm.quotient <= 1000.0:
+        yield f"quotient is {worm.quotient:g}", "write the pitch diameter of the worm by the module, such as 10"
 
 
 _PROBLEMS: dict[type, Callable[..., Iterator[tuple[str, str]]]] = {GearMesh: _gears, Rack: _rack, Screw: _screw, Worm: _worm}
