@@ -115,9 +115,8 @@ def _works(result: Run, whole: MotorDuty) -> list[Figure]:
         found.append(Figure("work of the flywheel", whole.flywheel_work, "J", given))
     if turns or whole.lost:
         where = f"{'clutch, brake and ' if turns else ''}{'dampers' if isinstance(result, ElasticRun) else 'bearings'}"
-        if result.problem.driven.press.loses_power:
-            where = where.replace(" and bearings", ", bearings, teeth and threads")
-        found.append(Figure("lost", whole.lost, "J", f"in {where}"))
+        lossy = turns and result.problem.driven.press.loses_power
+        found.append(Figure("lost", whole.lost, "J", "in clutch, brake, bearings, teeth and threads" if lossy else f"in {where}"))
     return found
 
 
