@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -239,8 +238,7 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
     even, edges = np.linspace(start, end, 720 * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1), run.trajectory.borders
     # the crank is slowest where a blank breaks through, which is on an edge
     inner = np.union1d(even, edges[edges.searchsorted(start, "right") : edges.searchsorted(end)])
-    inner = np.union1d(inner, [*_peaks(run, inner, lambda sample: np.abs(_crank(run, sample)[1]))])
-    inner = np.union1d(inner, [*_peaks(run, inner, lambda sample: np.abs(sample.motor_torque))])
+    inner = _with_peaks(run, inner)
     sample = run.trajectory.at(inner, complete=False)
     speed, drive_speed = np.abs(_crank(run, sample)[1]), np.abs(sample.drive_speed)
     highest, lowest = int(speed.argmax()), int(speed.argmin())
@@ -267,15 +265,16 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
     )
 
 
-def _peaks(run: Run, times: Array, of: Callable[[Sample], Array]) -> Iterator[float]:
-    """Times of the largest and of the smallest value of a quantity, each on grids that close in on it from its neighbours among times."""
-    values = of(run.trajectory.at(times, complete=False))
-    for best in (np.argmax, np.argmin):
-        near, k = times, int(best(values))
-        for _ in range(3):  # the value is flat at a smooth extreme: 1e-4 of a step in time leave 1e-8 of a step's change
-            near = np.linspace(near[max(k - 1, 0)], near[min(k + 1, len(near) - 1)], 33)
-            k = int(best(of(run.trajectory.at(near, complete=False))))
-        yield float(near[k])
+def _with_peaks(run: Run, times: Array) -> Array:
+    """Times with grids that close in on the highest and lowest speed and on the largest torque of the motor."""
+    near = times
+    for _ in range(3):  # a smooth extreme is flat: 2e-4 of a step in time are 1e-8 of the change in a step
+        sample = run.trajectory.at(near, complete=False)
+        speed, torque = np.abs(_crank(run, sample)[1]), np.abs(sample.motor_torque)
+        places = (int(speed.argmax()), int(speed.argmin()), int(torque.argmax()))
+        near = np.unique([np.linspace(near[max(k - 1, 0)], near[min(k + 1, len(near) - 1)], 33) for k in places])
+        times = np.union1d(times, near)
+    return times
 
 
 def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:
