@@ -117,17 +117,17 @@ def cam(press: Linkage, reactions: Reactions, name: str) -> CamReactions:
     states = _states(contact, reactions)
     finite(f"force in {name}", states.force)
     peaks = _states(contact, peak_states(reactions, lambda each: _states(contact, each)[-4:]).reactions)
-    at = contact.at(states.angle)
+    geometry = contact.at(states.angle)
     with np.errstate(divide="ignore"):
-        pitch_radius = 1.0 / at.curvature
+        pitch_radius = 1.0 / geometry.curvature
     curvature, sharpest = contact.largest(lambda each: each.curvature)
     return CamReactions(
         motion=reactions.motion,
         name=name,
         grooved=contact.grooved,
         angle=states.angle % TURN,
-        lift=at.lift,
-        pressure_angle=at.pressure_angle,
+        lift=geometry.lift,
+        pressure_angle=geometry.pressure_angle,
         pitch_radius=pitch_radius,
         surface_radius=pitch_radius - contact.roller_radius,
         force=states.force,
@@ -164,14 +164,13 @@ def _contact(press: Linkage, name: str) -> CamContact:
 def _states(contact: CamContact, reactions: Reactions) -> _States:
     motion = reactions.motion
     angle = contact.angle(motion.joint_position.T)
-    at, effort = contact.at(angle), _effort(contact, reactions)
-    force = effort / at.leverage
-    on_inner_flank = 1.0 / contact.roller_radius + at.curvature / (1.0 - at.curvature * contact.roller_radius)
-    on_outer_flank = 1.0 / contact.roller_radius - at.curvature / (1.0 + at.curvature * contact.roller_radius)
-    relative = np.where(force >= 0.0, on_inner_flank, on_outer_flank)
+    geometry, effort = contact.at(angle), _effort(contact, reactions)
+    force = effort / geometry.leverage
+    curvature = np.where(force >= 0.0, 1.0, -1.0) * geometry.curvature  # of the flank that the roller touches
+    relative = 1.0 / contact.roller_radius + curvature / (1.0 - curvature * contact.roller_radius)
     pushing = np.abs(force) if contact.grooved else np.maximum(force, 0.0)
     pressure = np.sqrt(pushing * MODULUS * relative / (2 * np.pi * (1.0 - POISSON**2) * contact.roller_width))
-    return _States(angle, force, effort, effort * at.slope, pressure)
+    return _States(angle, force, effort, effort * geometry.slope, pressure)
 
 
 def _effort(contact: CamContact, reactions: Reactions) -> Array:
@@ -207,9 +206,9 @@ def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
 
     share = 1.0
     for _ in range(MOST_STEPS):
-        found = peak_states(reactions, partial(at_rest_and_need, share=share)).reactions
+        peaks = peak_states(reactions, partial(at_rest_and_need, share=share)).reactions
         for step in range(MOST_STEPS):
-            rest, need = at_rest_and_need(found, share)
+            rest, need = at_rest_and_need(peaks, share)
             if rest.min() <= 0.0:
                 return 0.0
             if need.max() * share**2 <= NEGLIGIBLE:

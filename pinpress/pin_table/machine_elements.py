@@ -232,8 +232,8 @@ class _Reader:
 
     def _length(self, entry: Entry) -> float:
         """A length in the table's unit or with a unit, such as 24mm [m]."""
-        found = _WITH_UNIT.fullmatch(entry.value) if isinstance(entry.value, str) else None
-        return self.numbers.length(entry) if found is None else self.numbers.number(replace(entry, value=found[1])) * UNITS[found[2]]
+        match = _WITH_UNIT.fullmatch(entry.value) if isinstance(entry.value, str) else None
+        return self.numbers.length(entry) if match is None else self.numbers.number(replace(entry, value=match[1])) * UNITS[match[2]]
 
     def _helix(self, entry: Entry) -> dict[str, float | str]:
         """The angle of a helix and its hand: 15, 15 left, 25 double."""

@@ -64,8 +64,8 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
         speeds = law.moving(np.concatenate([own, placed.speeds(states.v)]))
 
         def pressing(efforts: Array) -> Array:
-            found, by_effort = placed.bearing_loads(conditions, efforts, states.v)
-            return np.concatenate([np.sqrt(np.einsum("bni,bni->bn", found.radial, found.radial)), by_effort[placed.owners]])
+            pressed, by_effort = placed.bearing_loads(conditions, efforts, states.v)
+            return np.concatenate([np.sqrt(np.einsum("bni,bni->bn", pressed.radial, pressed.radial)), by_effort[placed.owners]])
 
         efforts = law.efforts(speeds, pressing, lambda state: structure.place(states.position[:, state]))
     acting = conditions.under(placed.rubbing(efforts), efforts[: placed.bearings])
@@ -76,15 +76,15 @@ def inverse_dynamics(engine: Engine, states: ClosedStates, conditions: AppliedCo
     by_effort = placed.efforts(acting, result.relations)
     by_size = np.abs(by_effort) if law is None else placed.pushes(efforts)
     pushed = placed.loads(by_effort, by_size)
-    found = placed.settled(engine.inverse_dynamics(states, acting.under(pushed, acting.friction), bearings=True))
-    found.relations[placed.relations] += by_effort
+    wrenches = placed.settle(engine.inverse_dynamics(states, acting.under(pushed, acting.friction), bearings=True))
+    wrenches.relations[placed.relations] += by_effort
     force, moment = placed.of_first_on_second(by_effort, by_size, efforts)
     return Wrenches(
         torque=result.torque,
-        relations=found.relations,
+        relations=wrenches.relations,
         friction=friction,
-        force=np.concatenate([found.force, force]),
-        moment=np.concatenate([found.moment, moment]),
+        force=np.concatenate([wrenches.force, force]),
+        moment=np.concatenate([wrenches.moment, moment]),
         on_frame=tuple(load for load in (*acting.loads[len(conditions.loads) :], *pushed) if load.joint == 0),
     )
 
@@ -94,11 +94,11 @@ def bearing_loads(engine: Engine, states: ClosedStates, conditions: AppliedCondi
     if not engine.structure.contacts or conditions.friction is None:
         return engine.bearing_loads(states, conditions, rates)
     placed = _Placed(engine, states, conditions.compliance)
-    found, by_effort = placed.bearing_loads(conditions, conditions.friction, rates)
-    radial = np.zeros((placed.rows, *found.radial.shape[1:]))
+    pressed, by_effort = placed.bearing_loads(conditions, conditions.friction, rates)
+    radial = np.zeros((placed.rows, *pressed.radial.shape[1:]))
     radial[:, :, 0] = by_effort[placed.owners]
-    speed = np.concatenate([found.speed, placed.speeds(rates)])
-    return BearingLoads(speed, np.concatenate([found.radial, radial]), found.relations)
+    speed = np.concatenate([pressed.speed, placed.speeds(rates)])
+    return BearingLoads(speed, np.concatenate([pressed.radial, radial]), pressed.relations)
 
 
 def indeterminate(engine: Engine, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -209,11 +209,11 @@ class _Placed:
         acting = conditions.under(self.rubbing(efforts), efforts[: self.bearings])
         by_effort = self.efforts(acting)
         acting = acting.under(self.loads(by_effort, self.pushes(efforts)), acting.friction)
-        found = self.engine.bearing_loads(self.states, acting, rates)
+        pressed = self.engine.bearing_loads(self.states, acting, rates)
         if self.idle is not None:
-            force = self.settled(self.engine.inverse_dynamics(self.states, acting, bearings=True)).force
-            found = found._replace(radial=np.cross(force, self._directions(rates)))
-        return found, by_effort
+            force = self.settle(self.engine.inverse_dynamics(self.states, acting, bearings=True)).force
+            pressed = pressed._replace(radial=np.cross(force, self._directions(rates)))
+        return pressed, by_effort
 
     def _directions(self, rates: Array) -> Array:
         """Axes (bearings, n, 3) about or along which the bearings move at joint rates (nv, n), in the world; zero of loops at rest."""
@@ -283,12 +283,12 @@ class _Placed:
         """The idle forces, and how the bearings and the efforts in joints balance an effort of every contact, one of `singles`."""
         idle, nothing = self.idle or self.engine.idle(self.states), AppliedConditions([], None, self.compliance)
         start = self.engine.inverse_dynamics(self.states, nothing, bearings=True)
-        found = [self.engine.inverse_dynamics(self.states, nothing.under(self.loads(k, 0.0 * k), None), True) for k in self.singles()]
+        balances = [self.engine.inverse_dynamics(self.states, nothing.under(self.loads(k, 0.0 * k), None), True) for k in self.singles()]
         units = self.structure.relation_units[:, None]
         return Idle(
-            np.concatenate([idle.relations / units, [(each.relations - start.relations) / units for each in found]]),
-            np.concatenate([idle.force, [each.force - start.force for each in found]]),
-            np.concatenate([idle.moment, [each.moment - start.moment for each in found]]),
+            np.concatenate([idle.relations / units, [(each.relations - start.relations) / units for each in balances]]),
+            np.concatenate([idle.force, [each.force - start.force for each in balances]]),
+            np.concatenate([idle.moment, [each.moment - start.moment for each in balances]]),
         )
 
     def efforts(self, acting: AppliedConditions, relations: Array | None = None) -> Array:
@@ -302,25 +302,26 @@ class _Placed:
             relations: (relations, n) efforts of relations without contacts, where they are known.
         """
         if self.idle is None:
-            found = self.engine.inverse_dynamics(self.states, acting, bearings=False).relations if relations is None else relations
-            return np.asarray(found[self.relations])
+            if relations is None:
+                relations = self.engine.inverse_dynamics(self.states, acting, bearings=False).relations
+            return np.asarray(relations[self.relations])
         shares = self._shares(self.ways, self.engine.inverse_dynamics(self.states, acting, bearings=True))
         return np.asarray(self.structure.relation_units[self.relations][:, None] * shares[-len(self.contacts) :])
 
-    def settled(self, found: Wrenches) -> Wrenches:
-        """Wrenches with idle forces, so that contacts leave no efforts in joints."""
+    def settle(self, wrenches: Wrenches) -> Wrenches:
+        """The wrenches with those idle forces under which contacts leave no efforts in joints."""
         if self.idle is None:
-            return found
+            return wrenches
         units, count = self.structure.relation_units[:, None], len(self.idle.relations)
         idle = Idle(*(each[:count] for each in self.ways))
-        shares = self._shares(idle, found)
+        shares = self._shares(idle, wrenches)
         more = (np.einsum("kn,k...n->...n", shares, np.moveaxis(each, 2, -1)) for each in (units * idle.relations, idle.force, idle.moment))
         relations, force, moment = more
         return replace(
-            found,
-            relations=found.relations + relations,
-            force=found.force + np.moveaxis(force, -1, 1),
-            moment=found.moment + np.moveaxis(moment, -1, 1),
+            wrenches,
+            relations=wrenches.relations + relations,
+            force=wrenches.force + np.moveaxis(force, -1, 1),
+            moment=wrenches.moment + np.moveaxis(moment, -1, 1),
         )
 
     def _shares(self, ways: Idle, start: Wrenches) -> Array:

@@ -225,7 +225,7 @@ def grashof(press: Linkage) -> Records[FourBar]:
     places = poses(press, press.closed[None])
     flat = bearing_points(press, places)[:, 0]
     flat = flat - np.outer(flat @ plane.normal, plane.normal)
-    found = []
+    four_bars = []
     for bodies, bearings in _rounds(press):
         first, second, third, last = flat[list(bearings)]
         crank, coupler, rocker, frame = (
@@ -238,8 +238,8 @@ def grashof(press: Linkage) -> Records[FourBar]:
             continue  # two pins in one place: both links turn about it
         kind, shortest, margin = _kind(frame, crank, coupler, None if slides else rocker)
         links, names = tuple(map(press.link_of, bodies)), tuple(press.bearings[each] for each in bearings)
-        found.append(FourBar(kind, links, names, frame, crank, coupler, None if slides else rocker, shortest, margin))
-    return Records(FourBar, found)
+        four_bars.append(FourBar(kind, links, names, frame, crank, coupler, None if slides else rocker, shortest, margin))
+    return Records(FourBar, four_bars)
 
 
 def _kind(frame: float, crank: float, coupler: float, rocker: float | None) -> tuple[str, str, float]:
