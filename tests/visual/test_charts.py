@@ -224,8 +224,8 @@ def test_a_geared_shaft_is_back_after_whole_turns(ratio, turns):
 
 
 def test_an_unbalanced_shaft_that_is_never_back_has_no_period():
-    """With 101 turns to 100; balanced it does not matter where it is."""
-    shaft = SHAFT.replace("RATIO", "1.01")
+    """With 1001 turns to 1000; balanced it does not matter where it is."""
+    shaft = SHAFT.replace("RATIO", "1.001")
     with pytest.raises(pp.PinpressError, match="rotor has no period: an unbalanced shaft"):
         pp.cycle(rotor(shaft), SPEED)
     somewhere = pp.servo_cycle(rotor(shaft), speed=SPEED, angle=np.linspace(0.0, 7.0, 50))
