@@ -23,9 +23,9 @@ from .peaks import peak_states
 from .reactions import Reactions
 
 MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]
-AT_REST = 1e-4  # share of a speed at which inertia forces have gone, and loads still know the way
+AT_REST = 1e-4  # share of the speed that stands for rest: inertia forces are zero there, and friction still has its sign
 NEGLIGIBLE = 1e-12  # share by which the effort of a cam falls with the speed through rounding
-CONVERGED, MOST_STEPS = 1e-9, 60  # relative change of the speed of lift-off that is rounding, and number of speeds that are tried
+CONVERGED, MOST_STEPS = 1e-9, 60  # of the speed of lift-off: relative change that ends the search, and most speeds that are tried
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -56,8 +56,8 @@ class CamReactions(Tabular, OfPress):
         least_force: [N], and where. Below 0 the roller leaves a cam without a groove, and the forces are not those of the press.
         largest_pressure: [Pa], and where.
         lift_off_speed: speed of the driver at which the least force is 0 under the same loads [rad/s]; 0 where the roller is not pushed at
-            rest. None in a groove, if no speed lifts the roller off, if the motion has no constant speed of one driver, and if loads change
-            so much with the speed that none is found.
+            rest. None in a groove, if no speed lifts the roller off, if the motion has no constant speed of one driver, and if the search
+            does not converge because loads change with the speed.
     """
 
     motion: Motion
@@ -191,8 +191,8 @@ def _extreme(states: _States, values: Array, choose: Callable[[Array], np.intp])
 def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
     """The speed of the driver at which the least effort on the follower is 0.
 
-    Inertia forces grow with the square of the speed, so that one other speed tells the whole. Where loads change with the speed, the line
-    over the square of the speed is drawn again at the speed to which it has led.
+    Inertia forces grow with the square of the speed, so the efforts at two speeds give those at all others. If loads change with the speed,
+    this is repeated at the speed that it has given.
     """
     motion, press = reactions.motion, reactions._press
     if len(press.drivers) > 1 or not is_constant(motion.crank_speed) or not motion.crank_speed.any():

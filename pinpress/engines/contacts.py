@@ -94,10 +94,10 @@ class Contact(Frozen):
         carrier: Pinocchio joint of the body that carries both, 0 for the frame.
         unit: the wrench of the first on the second body by the effort.
         rubbing: its friction; empty without losses.
-        planets: the planets for which this contact of a single one stands. Each takes an equal part of the effort, and together they load
-            neither the bearing of the sun or ring nor that of the carrier, but for forces along the axis. The pin of the drawn planet
-            carries its part of the forces of teeth. Mass and inertia count as they are drawn: those of all planets give the right torque,
-            and then the pin carries the weights of all.
+        planets: the equal planets, if this contact of one planet stands for several. Each takes an equal part of the effort. Together they
+            load the bearings of sun, ring and carrier only along the axis. The pin of the drawn planet carries the tooth forces of one
+            planet. Mass and inertia are those of the drawn link: give it those of all planets for the right torque; its pin then carries
+            the weight of all.
     """
 
     name: str

@@ -27,7 +27,7 @@ class FrictionLaw:
         viscous: (bearings,) effort by speed [N m s, of a guide N s/m].
         preload: (bearings,) force with which the gibs of a guide press on it without a load; zero of all others [N].
         turns: (bearings,) False for guides, True for all others.
-        pushes: (bearings,) True for what is no friction: the effort is positive, also at rest.
+        pushes: (bearings,) True for rows that are forces which push gears apart, not friction: they are positive, also at rest.
         size: length of the linkage [m].
     """
 
@@ -96,8 +96,8 @@ def fixed_point(follow: Callable[[Array], tuple[Array, Array]], start: Array, se
     Returns:
         The efforts, and None; where they do not settle, the last changes (...), infinite where they are not finite.
     """
-    # Whole steps lead away where forces answer a change by more, against it, and hardly on where they nearly support themselves, as in a
-    # thread that nearly locks. Then steps are as long as Aitken's rule says, which never turns one round: what locks stays locked.
+    # Whole steps diverge where forces answer a change by a larger, opposite one. They hardly advance where forces nearly support
+    # themselves, as in a thread that nearly locks. Then Aitken's rule gives the length of steps, and never reverses one.
     for whole in (True, False):
         efforts, change, first = start, np.full(start.shape[1:], np.inf), np.zeros(start.shape[1:])
         share, last = np.full(start.shape[1:], FIRST_STEP), np.zeros_like(start)

@@ -5,8 +5,8 @@ internal gear and angles th that are sums of joint coordinates from the frame. A
 a thread, s = L/(2 pi) th, both against the same link. So each element is a row of coefficients of joints, and the multiplier of the row
 an effort on the joint that it determines.
 
-What really acts is a force at the pitch point. Its part along the motion follows from virtual work; pressure angle, helix and friction
-say the rest. It stands still in the carrier, so that it is worked out once, in the drawn pose.
+The real action is a force at the pitch point. Its part along the motion follows from virtual work, its other parts from pressure angle,
+helix and friction. Seen from the carrier it does not change its direction, so it is computed once, in the drawn pose.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ ALIGNED = 1e-6  # sine of the angle up to which axes count as parallel or at a r
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(Frozen):
-    """Two bodies that mesh by teeth or a thread, and where.
+    """Two bodies that mesh by teeth or a thread, and the place where they touch.
 
     Attributes:
         name: of the element.
@@ -208,8 +208,8 @@ class _MeshError(Exception):
 
 
 def placed(document: Document, model: pin.Model, loops: Sequence[LoopJoint], deviating: bool = False) -> tuple[Placed, ...]:
-    """The elements of a URDF in the drawing of its model; raises UrdfError where they cannot mesh. ``deviating``: whether pins of one axis
-    may be apart by tolerances, and planets have centre distances that deviate."""
+    """The elements of a URDF in the drawing of its model; raises UrdfError if they cannot mesh. ``deviating``: whether lengths have
+    tolerances, by which pins on one axis, and the two centre distances of a planet, differ a little."""
     elements = document.description.machine_elements
     if not elements:
         return ()
@@ -236,8 +236,8 @@ def relations_of(
     drivers: Collection[int],
     others: Sequence[Relation],
 ) -> tuple[Relation, ...]:
-    """The relations of elements. Each determines a joint that no driver moves and nothing else determines, rather one on no loop; one of
-    them that is redundant, as of the second of several planets, determines one again.
+    """The relations of elements. Each determines a joint that no driver moves and no other relation determines, if possible one that is on
+    no loop. A redundant one, such as that of a second planet, determines a joint that another one determines too.
 
     Args:
         document: of the linkage, for messages.
@@ -299,8 +299,8 @@ def _changed(contact: Contact, change: Callable[[Array], Array], change_push: Ca
 
 
 def _matched(choices: Sequence[Sequence[int]]) -> dict[int, int]:
-    """A different one of its choices for as many places as possible, the first choices of the first places where that can be."""
-    holders: dict[int, int] = {}  # places by what they have
+    """One of its choices for as many places as possible, no choice twice (a matching of a bipartite graph). Earlier places come first."""
+    holders: dict[int, int] = {}  # choice -> place
 
     def find(place: int, seen: set[int]) -> bool:
         for choice in choices[place]:
@@ -458,7 +458,7 @@ def _across(axis: Array, other: Array) -> float:
 
 
 def _sum(*parts: tuple[float, Mapping[int, float]]) -> dict[int, float]:
-    """The sum of rows, each with its factor, without zeros."""
+    """The sum of rows of coefficients, each times its factor; coefficients that are zero are left out."""
     total: dict[int, float] = {}
     for by, row in parts:
         for joint, coefficient in row.items():
@@ -503,7 +503,9 @@ def _shafts(drawing: _Drawing, links: tuple[str, str], named: str, centres: Sequ
                 shafts.setdefault(body, _Shafts(body, ends, (one.axis, other.axis), (one.point, other.point), first_is_planet))
     if len(shafts) > 1:
         carriers = " and ".join(repr(drawing.link(body)) for body in shafts)
-        raise _MeshError(f"links {carriers} hold both centres", f'name the one that is meant, carrier="{drawing.link(next(iter(shafts)))}"')
+        raise _MeshError(
+            f"links {carriers} hold both centres", f'name one of them as the carrier: carrier="{drawing.link(next(iter(shafts)))}"'
+        )
     if shafts:
         return next(iter(shafts.values()))
     if coaxial:
@@ -610,7 +612,7 @@ def _element(
 
 
 def _with_planets(elements: Sequence[MachineElement], places: Sequence[Placed]) -> Iterator[Placed]:
-    """The elements, each mesh of a planet with the number of planets that stands at the planet's other mesh."""
+    """The elements; a mesh of a planet gets the number of planets that the planet's other mesh has."""
     for element, each in zip(elements, places, strict=True):
         if isinstance(each.mesh, Gears) and each.contact.planets is not None:
             others = [its for its in places if _on_one_planet(each, its)]
@@ -634,7 +636,7 @@ def _shared(one: Placed, other: Placed) -> list[tuple[int, int]]:
 
 
 def _on_one_planet(one: Placed, other: Placed) -> bool:
-    """Whether two pairs of gears share one, about the axis of whose carrier the two others are."""
+    """Whether two pairs of gears share a planet: the two other gears are on one axis of the carrier."""
     apart = [float(np.linalg.norm(one.mesh.on_carrier[1 - i] - other.mesh.on_carrier[1 - j])) for i, j in _shared(one, other)]
     return len(apart) == 1 and apart[0] < 1e-3 * sum(one.mesh.radii)
 
@@ -648,7 +650,7 @@ def _hand(element: GearMesh, gear: int) -> str:
 
 
 def _refuse_unfit_teeth(elements: Sequence[MachineElement], places: Sequence[Placed]) -> None:
-    """Raise a fault of a gear that has two modules or two hands, or of planets that do not fit."""
+    """Raise `_MeshError` for a gear that has two modules or two hands, and for planets that do not fit."""
     pairs = zip(elements, places, strict=True)
     gears = [(element, each, each.mesh) for element, each in pairs if isinstance(element, GearMesh) and isinstance(each.mesh, Gears)]
     for (other, its, before), (element, each, mesh) in itertools.combinations(gears, 2):

@@ -537,7 +537,7 @@ REFUSED = [
     (PLANETARY, 'teeth2="30"', 'teeth2="30" planets="3"', "3 planets do not fit between sun and ring: (20 + 80)/3 is not whole"),
     (ARBOR, 'radius="0.024"', 'radius="24"', "radius is 24 m; a URDF has metres: 0.024 for 24 mm"),
     (ARBOR, ' radius="0.024"', "", "its pinion has no radius; give a radius, or else module and teeth"),
-    (ARBOR, "radius=", 'module="0.004" teeth="12" radius=', "the radius stands there twice"),
+    (ARBOR, "radius=", 'module="0.004" teeth="12" radius=', "its radius is given twice"),
     (ARBOR, 'xyz="0.024 0 0"', 'xyz="0 0 0"', "the drawing does not say on which side of the rack the pinion lies; write side"),
     (ARBOR, 'xyz="0 0 1"', 'xyz="0 1 0"', "the rack is not guided across the pinion's axis"),
     (ARBOR, 'rack="slide"', 'rack="frame"', "no link that carries the pinion guides 'frame'; let one link carry"),

@@ -101,7 +101,7 @@ def _gears(gears: GearMesh) -> Iterator[tuple[str, str]]:
 def _rack(rack: Rack) -> Iterator[tuple[str, str]]:
     by_module = bool(rack.module and rack.teeth)
     if bool(rack.radius) == by_module or (rack.radius and (rack.module or rack.teeth)):
-        yield "its pinion has no radius" if not rack.radius else "the radius stands there twice", "give a radius, or else module and teeth"
+        yield "its pinion has no radius" if not rack.radius else "its radius is given twice", "give a radius, or else module and teeth"
 
 
 def _screw(screw: Screw) -> Iterator[tuple[str, str]]:
