@@ -34,7 +34,6 @@ class Section(NamedTuple):
         numbers: keys whose values are numbers or angles in degrees; likewise.
         words: keys whose values are words; likewise.
         others: further keys.
-        threaded: whether elements without ``hand`` are right-handed.
     """
 
     tag: str
@@ -44,7 +43,6 @@ class Section(NamedTuple):
     numbers: tuple[str, ...] = ()
     words: Mapping[str, tuple[str, ...]] = {}
     others: tuple[str, ...] = ("carrier",)
-    threaded: bool = False
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -82,7 +80,6 @@ SECTIONS: Mapping[str, Section] = {
         numbers=("flank", "friction", "collar_friction"),
         words={"hand": HANDS},
         others=(),
-        threaded=True,
     ),
     "worms": Section(
         "worm",
@@ -96,7 +93,6 @@ SECTIONS: Mapping[str, Section] = {
         lengths=("module",),
         numbers=("starts", "teeth", "quotient", "pressure_angle", "friction"),
         words={"hand": HANDS},
-        threaded=True,
     ),
     "cams": Section(
         "cam",
@@ -200,8 +196,8 @@ class _Reader:
         values |= {each: self._length(items[each]) for each in section.lengths if each in items}
         values |= {each: self.numbers.number(items[each]) for each in section.numbers if each in items}
         values |= {each: _word(items[each], words) for each, words in section.words.items() if each in items}
-        if section.threaded:
-            values.setdefault("hand", HANDS[0])
+        if "hand" in section.words:
+            values.setdefault("hand", HANDS[0])  # which a mirror image changes
         if "helix" in items:
             values |= self._helix(items["helix"])
         if "follower" in items:
