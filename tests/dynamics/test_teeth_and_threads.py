@@ -1,6 +1,8 @@
 """What teeth and threads do to bodies and bearings, without losses and with: values of an independent NumPy script in maximal coordinates,
 closed forms of threads and worms, bodies cut free, and runs against inverse dynamics."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from support.generators.machine_elements import GEARED, TEETH
@@ -99,7 +101,7 @@ def planetary(efficiencies=(1.0, 1.0), planets=1, drawn=1, massless=False, teeth
     """A planetary gear with its ring on the frame and its centres 250 mm apart; ``planets`` for which each stands that is ``drawn``."""
 
     light = MASSLESS if massless else 1.0
-    bodies = {
+    bodies: dict[str, Any] = {
         "S": ("frame", "turns", (0, 0), 10 * light, (0, 0), 0.05 * light),
         "C": ("frame", "turns", (0, 0), 40 * light, (0.125, 0), 0.8 * light),
     }

@@ -181,7 +181,7 @@ def test_calculix_finds_nothing_left_for_the_supports(tmp_path: Path, along: int
 
 
 def reactions(press: pp.Linkage, **more: object) -> pp.Reactions:
-    return pp.inverse_dynamics(press, pp.cycle(press, 10.0, points=24), **more)  # type: ignore[arg-type]
+    return pp.inverse_dynamics(press, pp.cycle(press, 10.0, points=24), **more)
 
 
 def test_refused(tmp_path: Path) -> None:

@@ -68,7 +68,7 @@ def test_random_four_bars(lengths, angle, side):
     assume(abs(coupler - rocker) + 0.1 < diagonal < coupler + rocker - 0.1)
     s, p, q, longest = sorted(lengths)
     assume(abs(p + q - s - longest) > 0.02)
-    press = load(four_bar(*lengths, angle, side).urdf("O"))
+    press = load(four_bar(*lengths, angle=angle, side=side).urdf("O"))
     (found,) = pp.measures.grashof(press)
     np.testing.assert_allclose([found.frame, found.crank, found.coupler, found.rocker], lengths, atol=1e-12)
     assert found.links == LINKS[1:]
@@ -145,7 +145,7 @@ def test_slot():
     ],
 )
 def test_kinds(lengths, kind, shortest):
-    (found,) = pp.measures.grashof(load(four_bar(*lengths, 1.3).urdf("O")))
+    (found,) = pp.measures.grashof(load(four_bar(*lengths, angle=1.3).urdf("O")))
     assert (found.kind, found.shortest) == (kind, shortest)
 
 

@@ -1,6 +1,7 @@
 """Cams of a URDF: what is read, refused and doubted, and presses that are written back."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -129,7 +130,8 @@ def test_the_hollow_flank_of_a_groove_can_be_undercut():
     rows = "".join(f'<row angle="{angle}" lift="{lift}"/>' for angle, lift in zip(angles, dip - dip[0], strict=True))
     wavy = cam(rows, radius=0.16, roller_radius=0.045)
     press = pp.load(file(text(wavy)))
-    convex, hollow = (press.contacts[0].largest(lambda states, sign=sign: sign * states.curvature)[0] for sign in (1.0, -1.0))
+    contact: Any = press.contacts[0]
+    convex, hollow = (contact.largest(lambda states, sign=sign: sign * states.curvature)[0] for sign in (1.0, -1.0))
     assert convex < 1 / 0.045 < hollow
     with pytest.raises(pp.UrdfError, match="the cam is undercut"):
         pp.load(file(text(wavy.replace("<cam ", '<cam kind="groove" '))))

@@ -1,6 +1,7 @@
 """Cams in pin tables: what becomes of the three examples, and refusals at the line of the table."""
 
 import copy
+from typing import Any
 
 import numpy as np
 import pytest
@@ -42,10 +43,11 @@ def test_a_drawn_roller_says_offset_or_arm():
     """The pin at its centre is in place of the offset, and of the arm."""
     drawn, feeder = table(at="E"), copy.deepcopy(cams.FEEDER)
     del drawn["cams"]["eject"]["offset"]
-    assert pp.build(**drawn).contacts[0].offset == pytest.approx(0.01, rel=1e-14)
-    assert cams.press("feeder").contacts[0].arm == pytest.approx(0.12, rel=1e-14)
+    ejector: Any = pp.build(**drawn).contacts[0]
+    with_arm: Any = cams.press("feeder").contacts[0]
+    assert (ejector.offset, with_arm.arm) == pytest.approx((0.01, 0.12), rel=1e-14)
     del feeder["cams"]["feed"]["at"]
-    plain = pp.build(**copy.deepcopy(feeder) | {"cams": {"feed": feeder["cams"]["feed"] | {"arm": 120}}}).contacts[0]
+    plain: Any = pp.build(**copy.deepcopy(feeder) | {"cams": {"feed": feeder["cams"]["feed"] | {"arm": 120}}}).contacts[0]
     assert (plain.sense, plain.turning) == (1.0, 1.0)  # the lift is along the arm's own angle, against that of the drawn arm
 
 
@@ -96,7 +98,7 @@ def test_copies_have_their_rollers_in_front_and_behind():
     for name, y in (("_front", -0.1), ("_back", 0.1)):
         np.testing.assert_allclose(reactions.bearing_force[f"eject{name}"], one.bearing_force["eject"], atol=1e-9)
         np.testing.assert_allclose(reactions.bearing_moment[f"ejector_guide{name}"], one.bearing_moment["ejector_guide"], atol=1e-9)
-        contact = next(each for each in press.contacts if each.name == f"eject{name}")
+        contact: Any = next(each for each in press.contacts if each.name == f"eject{name}")
         assert contact.origin[1] == pytest.approx(y, abs=1e-15)
     np.testing.assert_allclose(reactions.bearing_moment["O"][:, [0, 2]], 0.0, atol=1e-9)
 

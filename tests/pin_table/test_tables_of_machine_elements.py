@@ -269,7 +269,7 @@ def test_torque_of_a_screw(screw, torques, efficiencies, hand):
     load, lead, diameter, friction, flank, collar = screw
     said = {"lead": lead, "diameter": diameter, "friction": friction, "flank": flank, "hand": hand}
     table = changed(SCREW, "screws", "spindle", **said, **({"collar_friction": collar, "collar_diameter": 80} if collar else {}))
-    spindle = pp.build(**table).meshes["spindle"]
+    spindle: Any = pp.build(**table).meshes["spindle"]
     assert spindle.efficiency == pytest.approx(efficiencies[0], rel=1e-10)
     assert spindle.self_locking == (efficiencies[1] < 0)
     if not spindle.self_locking:

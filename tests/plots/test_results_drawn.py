@@ -98,7 +98,7 @@ def test_a_map_has_the_singular_poses_over_its_colours():
 
 
 def test_orders_stand_next_to_calculated_frequencies():
-    orders, modes = every_result.vibrations().order_spectra(3), every_result.foundation.modes(every_result.mounted())
+    orders, modes = every_result.vibrations().order_spectra(3), pp.foundation.modes(every_result.mounted())
     axes = pp.plots.draw(orders.with_modes(modes), "orders Ax").axes[0]
     highest = orders.order[-1] * orders.speed[-1]
     expected = [w / (2 * np.pi) for w in modes.natural_frequency if w < highest]

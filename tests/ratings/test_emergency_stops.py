@@ -200,7 +200,7 @@ REFUSED = [
 
 
 def stopping(speed: float, brake: float = 500.0, delay: float = 0.03, **more: object) -> pp.ratings.StoppingTimes:
-    return pp.ratings.stopping(shipped("crank_slide"), speed, brake, delay, 0.05, **more)  # type: ignore[arg-type]
+    return pp.ratings.stopping(shipped("crank_slide"), speed, brake, delay, 0.05, **more)
 
 
 @pytest.mark.parametrize(("call", "message"), REFUSED)

@@ -1,6 +1,7 @@
 """Gears, racks and screws in pictures: pitch circles that touch, in front of the links, with marks that turn; teeth and threads."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -11,7 +12,7 @@ import pinpress as pp
 from pinpress.visual.shapes.appearance import bodies
 from pinpress.visual.shapes.solids import TriangleMesh, volume_and_centre
 
-PLANETARY = {
+PLANETARY: dict[str, Any] = {
     "frame": "S A",
     "pins": {"S": [0, 0], "A": "S", "P": [250, 0]},
     "links": {"sun": {"pins": "S", "mass": 10}, "arm": {"pins": "A P", "mass": 40}, "planet": {"pins": "P", "mass": 12}},

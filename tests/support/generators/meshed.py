@@ -32,6 +32,6 @@ def planar(bodies, elements, drivers, loops=()):
         ]
     for loop, (body1, body2, place) in loops.items() if loops else ():
         ends = [(e, body if body == "frame" else f"{body}_body") for e, body in ((1, body1), (2, body2))]
-        ends = "".join(f'<link{e} link="{body}" xyz="{point(body, *place)}"/>' for e, body in ends)
-        lines.append(f'<loop_joint name="{loop}" type="spherical">{ends}</loop_joint>')
+        sides = "".join(f'<link{e} link="{body}" xyz="{point(body, *place)}"/>' for e, body in ends)
+        lines.append(f'<loop_joint name="{loop}" type="spherical">{sides}</loop_joint>')
     return load(f'<robot name="meshed">{"".join(lines)}{elements}</robot>', drivers=drivers)
