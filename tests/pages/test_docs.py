@@ -52,6 +52,7 @@ RUN = [
 RUN += [
     "engines",
     "errors",
+    "fifteen_jobs",
     "press_parts",
     "machine_elements",
     "measured",
@@ -64,7 +65,7 @@ RUN += [
 # these take as long as all others
 LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
 LONG |= {"balancing", "elasticity", "measured_vibration", "recording", "robots", "servo", "several_drivers", "synthesis", "slide_accuracy"}
-LONG |= {"jobs", "motion_and_forces", "stopping", "tolerances"}
+LONG |= {"fifteen_jobs", "jobs", "motion_and_forces", "stopping", "tolerances"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "mistakes", "motor", "kong2025", "zhang2007", "chen2002"]

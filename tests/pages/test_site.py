@@ -215,6 +215,7 @@ QUESTIONS = {
     "pressure of a pin": "pins",
     "L10": "pins",
     "wear of a bush": "pins",
+    "jobs of a press engineer": "fifteen_jobs",
     "light curtain": "stopping examples/motor",
     "safety distance": "stopping",
     "emergency stop": "stopping examples/motor",
