@@ -32,7 +32,7 @@ from ..loads.link import Load
 from ..simulation.reduced_model import INERTIA, reduced_model_of
 from ..simulation.simulate import simulate
 from .permissible_force import refuse_unrated
-from .safety_distance import SafetyDistance, length_argument, not_negative, safety_distance
+from .safety_distance import LONG, SafetyDistance, length_argument, not_negative, safety_distance
 
 FULL, HALF, UNLOADED = "all springs", "half of the springs", "without the loads"
 STEP = math.radians(5.0)  # between signals of the closing stroke, twice as much elsewhere; the worst one is searched between two of them
@@ -179,12 +179,14 @@ class StoppingTimes(OfPress, Tabular):
             PinpressError: the edition is unknown, or a value is missing, not as described, or no part of the edition's formula.
 
         Warns:
-            PinpressWarning: half of the springs do not hold the press, a stop takes more than 2 s, or the resolution is below 5 mm.
+            PinpressWarning: half of the springs do not hold the press, or all of them only with the loads, a stop takes more than
+                2 s, or the resolution is below 5 mm.
         """
         given = {"resolution": resolution, "reach": reach, "supplement": supplement}
         lengths = {name: length_argument(name, value) for name, value in given.items() if value is not None}
-        if self.cases[HALF].slips:
-            caution(f"half of the springs {_slipping(self.cases[HALF])}: a distance does not make up for that; give a stronger brake")
+        for name, what in ((HALF, "half of the springs"), (UNLOADED, "without the loads the brake")):
+            if name in self.cases and self.cases[name].slips:
+                caution(f"{what} {_slipping(self.cases[name])}: a distance does not make up for that; give a stronger brake")
         in_quarter = float(np.interp(0.5 * np.pi, np.abs(self.signal - self.signal[0]), self.cases[FULL].time))
         times = {"stopping": self.worst.time, "at 90 deg": in_quarter, "control": self.control, "device": self.device}
         return safety_distance(edition, times, self.monitor, lengths, truth_value("two_hand", two_hand))
@@ -235,7 +237,8 @@ def stopping(
     given = {"delay": delay, "rise": rise, "control": control, "device": device}
     times = {name: not_negative(name, value, "s") for name, value in given.items()}
     for name, time in times.items():
-        plausibility.engagement(name, time)
+        if time > LONG:
+            raise PinpressError(f"{name} is {time:g} s, and no press takes as long: if ms are meant, write {time:g}e-3")
     weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
     plausibility.torque("brake", torque, 0.5 * weight * dead_centres(press).stroke)
     refuse_unrated(press, loads, {}, at_speed=True)

@@ -186,8 +186,9 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
         place = float(np.ravel(peaks.motion.crank_angle[worst])[0])
         use = PinUse(name, largest, place, way / strokes, None if through else float(np.ptp(angle)))
         if isinstance(given, PlainBearing):
-            rubbing = 0.5 * given.diameter * np.abs(turn.angle(peaks.motion.v)) * at_peak
-            uses[name] = _of_pin(use, given, force, 0.5 * given.diameter * rate, weight, strokes, float(rubbing.max()))
+            speed = 0.5 * given.diameter * rate
+            most = 0.5 * given.diameter * float((at_peak * np.abs(turn.angle(peaks.motion.v))).max())
+            uses[name] = _of_pin(use, given, force, speed, weight, strokes, max(most, float((force * speed).max())))
         else:
             uses[name] = _of_rolling(use, given, force / given.count, rate, weight, strokes)
     return PinRatings(press, FrozenMapping(bearings), FrozenMapping(uses), time / strokes)

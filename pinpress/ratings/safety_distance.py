@@ -19,6 +19,7 @@ IN = 0.0254  # [m]
 ISO_2010 = "K and C as printed by SICK 8012624, page 24, and Rockwell 450L-UM001, page 72"
 ISO_2024 = "K as printed by leuze.com and gt-engineering.it; D_DS and Z as given"
 ANSI = "K and Dpf as printed by IDEC FS1A, page 7-5"
+FINE = 0.064  # up to which this Dpf of ANSI B11.19 holds [m]: coarser curtains let an arm through
 OSHA = "K of 29 CFR 1910.217(c)(3); the stopping time is that at 90 deg after top dead centre"
 EDITIONS = {  # edition -> lengths that its formula needs, and those that it takes
     "ISO 13855:2010": (("resolution",), ("resolution",)),
@@ -75,6 +76,9 @@ def safety_distance(
     for name in needed:
         if name not in lengths:
             raise PinpressError(f"{edition} needs {name}: give {name}=0.014 [m]")
+    if edition.startswith("ANSI") and lengths["resolution"] > FINE:
+        coarse = f"resolution is {1e3 * lengths['resolution']:g} mm: Dpf = 3.4 (d - 7 mm) is for curtains of at most {1e3 * FINE:g} mm"
+        raise PinpressError(f"{coarse}, through which no arm reaches; give one of them")
     stopping_time = times["at 90 deg" if edition.startswith("OSHA") else "stopping"]
     rows: list[tuple[str, float, str]] = [
         ("stopping time", stopping_time, "computed, without wear, heat and scatter"),

@@ -188,6 +188,7 @@ REFUSED = [
     (lambda: stopping(0.0), "speed is 0.0: give one number that is not zero"),
     (lambda: stopping(5.0, brake=-1.0), "brake is -1.0: give a positive number"),
     (lambda: stopping(5.0, delay=-0.1), "delay is -0.1: give 0, or one number from 1e-9 to 1e9 [s]"),
+    (lambda: stopping(5.0, delay=30.0), "delay is 30 s, and no press takes as long: if ms are meant, write 30e-3"),
     (lambda: stopping(5.0, brake=60.0), "the brake of 60 N m does not hold the press at"),
     (lambda: stopping(5.0, loads=[pp.loads.ConstantForce(1e3, 0.01)]), "is not a load of ratings"),
     (lambda: distance("ISO 13855", 0.2), "edition is 'ISO 13855': give one of ISO 13855:2010"),
@@ -195,6 +196,7 @@ REFUSED = [
     (lambda: distance("ISO 13855:2024", 0.2, resolution=0.014), "resolution is no part of the formula of ISO 13855:2024"),
     (lambda: distance("ISO 13855:2024", 0.2, reach=0.1), "ISO 13855:2024 needs supplement"),
     (lambda: distance("ISO 13855:2010", 0.2, resolution=0.09), "resolution is 90 mm: the formula is for curtains of at most 70 mm"),
+    (lambda: distance("ANSI B11.19", 0.2, resolution=0.07), "resolution is 70 mm: Dpf = 3.4 (d - 7 mm) is for curtains of at most 64 mm"),
     (lambda: distance("ANSI B11.19", 0.2, two_hand=True), "two_hand is no part of the formula of ANSI B11.19"),
 ]
 
