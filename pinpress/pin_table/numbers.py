@@ -61,7 +61,7 @@ def with_numbers(table: Entry, values: Mapping[Path, float]) -> Entry:
         values: path of keys -> new number.
     """
     for path, value in values.items():
-        table = _with(table, path, written(value))
+        table = _with(table, path, value)
     return table
 
 
@@ -128,7 +128,7 @@ def _items(node: yaml.Node | None) -> Iterator[tuple[str, yaml.Node]]:
             yield str(key.value), value
 
 
-def _with(entry: Entry, path: Path, value: str) -> Entry:
+def _with(entry: Entry, path: Path, value: float) -> Entry:
     """Replace the value at the end of a path."""
     if not path:
         return replace(entry, value=value)

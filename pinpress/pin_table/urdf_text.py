@@ -42,15 +42,21 @@ def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, tool: Tool | No
     return _Writer(name, comment, parts, tree, tool, shapes).text().encode(errors="replace")  # a file's name need not be UTF-8
 
 
+def drawn_frames(parts: Parts, tree: Tree) -> dict[str, pin.SE3]:
+    """Frames of the links in the drawn pose, by the links' names; lengths in m."""
+    links, frames = {link.name: link for link in parts.links}, {FRAME: pin.SE3.Identity()}
+    for joint in tree.joints:
+        link = links[joint.link2]
+        frames[link.name] = pin.SE3(link.rotation, link.origin if joint.pin is None else parts.pins[joint.pin].point)
+    return frames
+
+
 class _Writer:
     def __init__(self, name: str, comment: str, parts: Parts, tree: Tree, tool: Tool | None, shapes: Mapping[str, Sequence[str]]) -> None:
         self.name, self.comment, self.parts, self.tree, self.tool, self.shapes = name, comment, parts, tree, tool, shapes
         self.links = {link.name: link for link in parts.links}
         self.size = size_of(parts.pins) or 1.0
-        self.places = {FRAME: pin.SE3.Identity()}  # frames of the links in the drawn pose
-        for joint in tree.joints:
-            link = self.links[joint.link2]
-            self.places[link.name] = pin.SE3(link.rotation, link.origin if joint.pin is None else parts.pins[joint.pin].point)
+        self.places = drawn_frames(parts, tree)
 
     def text(self) -> str:
         """The whole file."""

@@ -13,6 +13,7 @@ from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
+import pinocchio as pin
 
 from ..common.errors import PinpressError
 from ..common.frozen import Frozen, NamedArrays, read_only
@@ -33,6 +34,7 @@ from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import Motion, of_states
 from ..linkage.linkage import Linkage, SlideGuide
 from ..loads.link import Load
+from .table_variables import TableVariables
 
 SHARED = "redundant bearings share forces, so the derivatives of these forces are not known: use driving_torque"
 OUT_OF_PLANE = "the links are in several planes, so the derivatives of moments are not known: use forces or driving_torque"
@@ -125,12 +127,14 @@ class TrialReactions(Frozen):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Start:
-    """The press at the start of a search, planar and drawn closed, with its planar equations, its motion over one period, and its loads."""
+    """The press at the start of a search, planar and drawn closed, with its planar equations, its motion over one period, its loads, and
+    the pin table that it was drawn from."""
 
     press: Linkage
     plane: Plane
     motion: Motion
     loads: Sequence[Load]
+    table: TableVariables | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -178,7 +182,9 @@ class Design:
 
     @cached_property
     def press(self) -> Linkage:
-        """The linkage of this design, drawn in its own closed pose."""
+        """The linkage of this design, drawn in its own closed pose; of a pin table with the masses that it gives to this design."""
+        if self.start.table is not None:
+            return self.start.table.press(self.variables)
         return redrawn(self.start.press, self.moved, self.position[:, 0])
 
     def trial(self) -> Trial:
@@ -285,38 +291,64 @@ class Design:
     @cached_property
     def _wrenches(self) -> Wrenches:
         self.start.press.refuse_contacts("a synthesis knows no forces with them; give functions of the motion alone")
-        conditions = AppliedConditions(apply(wrap_laws(self.start.loads), self.press, self.motion), None, None)
+        return self._wrenches_of(self.press)
+
+    def _wrenches_of(self, press: Linkage) -> Wrenches:
+        """Wrenches of a press with these lengths and other masses."""
+        conditions = AppliedConditions(apply(wrap_laws(self.start.loads), press, self.motion), None, None)
         states = ClosedStates(self.position, self._rates.v, self._rates.a, self._states.basis)
-        return inverse_dynamics(self._statics, states, conditions, bearings=True)
+        return inverse_dynamics(self._statics_of(press), states, conditions, bearings=True)
+
+    def _statics_of(self, press: Linkage) -> Statics:
+        plane = _weighed(self.plane, press.model)
+        return build_statics(build_bodies(plane, press.model), Equations.of(plane))
 
     @cached_property
     def _statics(self) -> Statics:
-        return build_statics(build_bodies(self.plane, self.start.press.model), Equations.of(self.plane))
+        return self._statics_of(self.press)
 
     @cached_property
     def _reactions(self) -> TrialReactions:
-        wrenches, press = self._wrenches, self.press
+        return self._reactions_of(self.press, self._wrenches)
+
+    def _reactions_of(self, press: Linkage, wrenches: Wrenches) -> TrialReactions:
         shaken = shaking(press, self.motion, wrenches, apply(wrap_laws(self.start.loads), press, self.motion))
         names = press.bearings
         return TrialReactions(
             wrenches.torque[0], shaken[0], NamedArrays(names, wrenches.force), NamedArrays(names, wrenches.moment), shaken[1]
         )
 
+    def _slopes_by_mass(self, place: int) -> Callable[[Callable[[TrialReactions], Array]], Array | float]:
+        """What gives the derivatives of a part of the reactions by the masses that a variable of a table changes, the motion kept."""
+        table = self.start.table
+        if table is None:
+            return lambda part: 0.0
+        ahead, back, distance = table.heavier(self.press, self.variables, list(self.variables)[place])
+        one, two = (self._reactions_of(press, self._wrenches_of(press)) for press in (ahead, back))
+        return lambda part: np.asarray((part(one) - part(two)) / distance)
+
     def _reactions_towards(self, place: int, h: float) -> TrialReactions:
         real, wrenches, names = self._reactions, self._wrenches, self.start.press.bearings
-        slope = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
+        slope, by_mass = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place)), self._slopes_by_mass(place)
         force: Mapping[str, Array] | None = None
         moment: Mapping[str, Array] | None = None
         if slope.forces is not None and slope.moments is not None:
-            force = NamedArrays(names, _complex(wrenches.force, h, to_world(self.plane, slope.forces)))
+            force = NamedArrays(
+                names, _complex(wrenches.force, h, to_world(self.plane, slope.forces) + by_mass(lambda of: _stacked(of.bearing_force)))
+            )
             if self._statics.bodies.in_one_plane:
-                moment = NamedArrays(names, _complex(wrenches.moment, h, np.multiply.outer(slope.moments, self.plane.normal)))
+                moments = np.multiply.outer(slope.moments, self.plane.normal) + by_mass(lambda of: _stacked(of.bearing_moment))
+                moment = NamedArrays(names, _complex(wrenches.moment, h, moments))
         return TrialReactions(
-            _complex(real.driving_torque, h, slope.torque),
-            _complex(real.shaking_force, h, to_world(self.plane, slope.shaking_force)),
+            _complex(real.driving_torque, h, slope.torque + by_mass(lambda of: of.driving_torque)),
+            _complex(real.shaking_force, h, to_world(self.plane, slope.shaking_force) + by_mass(lambda of: of.shaking_force)),
             force,
             moment,
-            _complex(real.shaking_moment, h, np.multiply.outer(slope.shaking_moment, self.plane.normal))
+            _complex(
+                real.shaking_moment,
+                h,
+                np.multiply.outer(slope.shaking_moment, self.plane.normal) + by_mass(lambda of: of.shaking_moment),
+            )
             if self._statics.bodies.in_one_plane
             else None,
         )
@@ -324,9 +356,10 @@ class Design:
     @cached_property
     def _known(self) -> Balanced:
         press = self.start.press
-        mass = np.array([inertia.mass for inertia in press.model.inertias][1:])
+        mass = np.array([inertia.mass for inertia in self.press.model.inertias][1:])
         sides = [(loop.joint1 - 1, loop.joint2 - 1) for loop in press.loops]
-        return Balanced(self._states, self._rates, self._statics, mass, to_complex(self.plane, self._wrenches.force), sides)
+        states = self._states._replace(plane=self._statics.bodies.plane)
+        return Balanced(states, self._rates, self._statics, mass, to_complex(self.plane, self._wrenches.force), sides)
 
     def _pushes(self, place: int) -> Sequence[Push]:
         if not self.start.loads:
@@ -342,3 +375,16 @@ def _complex(value: Array, h: float, derivative: Array) -> Array:
     """value + i h derivative, read-only. In a gradient the arrays of a `Trial` are complex, whatever their type says."""
     result: ComplexArray = value + 1j * h * derivative
     return cast(Array, read_only(result))
+
+
+def _stacked(named: Mapping[str, Array]) -> Array:
+    """The arrays of all names, one after the other."""
+    return np.array(list(named.values()))
+
+
+def _weighed(plane: Plane, model: pin.Model) -> Plane:
+    """The constants of a linkage with the centres of mass of a model, whose links have the same frames."""
+    levers = np.array([frame @ inertia.lever for frame, inertia in zip(plane.frames, list(model.inertias)[1:], strict=True)])
+    centers = np.zeros_like(plane.centers)
+    centers[np.arange(len(levers)), list(plane.rotors)] = levers[:, 0] + 1j * levers[:, 1]
+    return replace(plane, centers=centers, center_heights=plane.heights + levers[:, 2])

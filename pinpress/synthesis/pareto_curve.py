@@ -7,6 +7,7 @@ which weighted sums miss.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -59,7 +60,7 @@ class DesignTradeOff(Tabular):
 
 @typed
 def trade_off(
-    press: Linkage,
+    press: Linkage | str | os.PathLike[str],
     variables: Mapping[str, tuple[float, float, float]],
     *,
     first: Function,
@@ -77,8 +78,8 @@ def trade_off(
     and finds the optimum next to it. Use a constraint for a third objective.
 
     Args:
-        press: a planar press, as in `synthesise`.
-        variables: name -> (lower bound, start, upper bound) [SI].
+        press: a planar press, or the file of a pin table, as in `synthesise`.
+        variables: name -> (lower bound, start, upper bound), as in `synthesise`.
         first: function of a `Trial` that returns a number, or an array (m,) whose largest element counts.
         second: the other objective, also a function of a `Trial`.
         subject_to: constraints on the whole curve, as in `synthesise`.

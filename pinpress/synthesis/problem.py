@@ -15,6 +15,7 @@ from ..common.errors import AssemblyError, PinpressError, shown
 from ..common.quantities import Array
 from ..derivatives.motion import STEP, Displacements, Pivots, directed, displaced
 from .design import Design, Trial
+from .table_variables import TableVariables
 
 Function = Callable[[Trial], ArrayLike]
 
@@ -111,11 +112,13 @@ class Problem:
         variables: the design variables.
         geometry: function of the variables that returns pivots.
         requirements: the objective, then the constraints.
+        table: the pin table whose numbers the variables are; None: they are lengths and pivots of a press.
     """
 
     variables: tuple[Variable, ...]
     geometry: Callable[..., Pivots]
     requirements: tuple[Requirement, ...]
+    table: TableVariables | None = None
 
     @cached_property
     def limits(self) -> tuple[Limit, ...]:

@@ -17,6 +17,7 @@ optimum; otherwise an error explains why the search found no optimum.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -26,6 +27,7 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import any_numbers, suitable_numbers, typed
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, caution, shown
+from ..common.files import path_of
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
@@ -40,6 +42,7 @@ from ..loads.link import Load
 from .design import Design, Start
 from .problem import Function, Point, Problem, Requirement, Variable, listed, verify_gradients
 from .search import ActiveBound, Search, optimality
+from .table_variables import TableVariables
 
 SYNTHESISED = "_synthesised"  # end of the name of the resulting press
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
@@ -47,7 +50,7 @@ UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
 
 @typed
 def synthesise(
-    press: Linkage,
+    press: Linkage | str | os.PathLike[str],
     variables: Mapping[str, tuple[float, float, float]],
     *,
     minimise: Function,
@@ -62,13 +65,15 @@ def synthesise(
     """Find the lengths of a planar press that minimise an objective over one period at constant speed.
 
     Args:
-        press: a planar press. It keeps all lengths that no variable changes.
-        variables: name -> (lower bound, start, upper bound) [SI].
+        press: a planar press, or the file of a pin table. It keeps all lengths that no variable changes.
+        variables: name -> (lower bound, start, upper bound) [SI]. Of a table: its parameters, and the plain numbers of its pins, named
+            pins.PIN.KEY, e.g. "pins.B.length", in the table's units and in degrees.
         minimise: function of a `Trial` that returns a number, or an array (m,) whose largest element is minimised.
         subject_to: name -> (function of a `Trial`, lower bound, upper bound). None or infinity means no bound, and equal bounds mean an
             equation. If the function returns an array, every element keeps the bounds.
         geometry: function of the variables, with their names as arguments, that returns pivots as for `reshaped`, written with NumPy's
-            functions. Write design rules here. None: variables are single coordinates, named bearing.link.axis, e.g. "B.crank.x".
+            functions. Write design rules here. None: variables are single coordinates, named bearing.link.axis, e.g. "B.crank.x", or
+            numbers of the table, whose formulas are the design rules.
         speed: speed of the crank [rad/s].
         points: number of crank angles of the period at which trials are evaluated; None: 360 a turn.
         method: "local" for the optimum next to the start, "global" for the best of the optima next to many starts within the bounds.
@@ -80,8 +85,10 @@ def synthesise(
 
     Raises:
         PinpressError: the linkage is not planar, an argument is not as described, the start cannot be assembled or its crank does not turn
-            fully, a function fails or has a wrong gradient, no design keeps the constraints, or the search does not converge.
-        UnknownNameError: the linkage does not have a bearing or link with this name.
+            fully, a function fails or has a wrong gradient, no design keeps the constraints, or the search does not converge; a variable
+            of a table changes nothing, or turns the crank in the drawn pose, from which crank angles count.
+        UnknownNameError: the linkage does not have a bearing or link with this name, or the table no such number.
+        PinTableError: the file is no pin table, or makes no press with the values at the start.
     """
     problem = state_problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
@@ -93,7 +100,7 @@ def synthesise(
     return _result(start, search, search.local(start) if method == "local" else search.best(start, seed), speed, points)
 
 
-def local_optimum(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> SynthesisResult:
+def local_optimum(press: Any, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> SynthesisResult:
     """The optimum next to the start of a problem whose gradients are already checked. Raises as `synthesise`."""
     start = _start(press, problem, speed, points, loads)
     search = Search(start.problem)
@@ -105,8 +112,9 @@ class SynthesisResult(Tabular):
     """The optimum of a synthesis.
 
     Attributes:
-        press: the linkage with the optimal lengths, as from `reshaped`.
-        variables: name -> value of each variable [SI].
+        press: the linkage with the optimal lengths, as from `reshaped`, or built from ``pin_table``.
+        pin_table: text of the pin table with the values that were found, to 12 digits; None if no table was given.
+        variables: name -> value of each variable [SI, or as in the table].
         value: value of the objective at the optimum [SI].
         start_value: value of the objective at the start [SI].
         constraints: name -> value of each constraint at the optimum, a number or (m,) [SI].
@@ -121,6 +129,7 @@ class SynthesisResult(Tabular):
     """
 
     press: Linkage
+    pin_table: str | None
     variables: Mapping[str, float]
     value: float
     start_value: float
@@ -196,10 +205,12 @@ class BoundedQuantity(Record):
     upper: float | None
 
 
-def state_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
+def state_problem(press: Any, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
     """The problem of checked arguments, with requirements that are not yet scaled."""
-    planar(press)
-    press.refuse_joint_springs("a synthesis does not know them; take them out of the file")
+    if isinstance(press, Linkage):
+        _refuse(press)
+    else:
+        path_of("press", press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
         if not isinstance(mapping, Mapping):
             raise PinpressError(f"{name} is a {type(mapping).__name__}: give a mapping from names")
@@ -209,7 +220,20 @@ def state_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any
     if not checked:
         raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")
     requirements = (Requirement("", minimise), *(_constraint(name, constraint) for name, constraint in subject_to.items()))
-    return Problem(checked, geometry or _coordinates(press, tuple(variables)), requirements)
+    if isinstance(press, Linkage):
+        return Problem(checked, geometry or _coordinates(press, tuple(variables)), requirements)
+    if geometry is not None:
+        raise PinpressError(
+            "geometry is given with a pin table, whose formulas are design rules: leave geometry out, or give the table's press"
+        )
+    table = TableVariables.of(press, {each.name: (each.start, each.range) for each in checked})
+    return Problem(checked, table.pivots, requirements, table)
+
+
+def _refuse(press: Linkage) -> None:
+    """Refuse a press that a synthesis cannot move."""
+    planar(press)
+    press.refuse_joint_springs("a synthesis does not know them; take them out of the file")
 
 
 def _variable(name: str, bounds: Any) -> Variable:
@@ -252,30 +276,33 @@ def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots
     return geometry
 
 
-def _start(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
+def _start(press: Any, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
     """The start, with requirements scaled by their size there.
 
     Raises:
         PinpressError: the start cannot be assembled, or locks.
     """
     values = {variable.name: variable.start for variable in problem.variables}
+    if problem.table is not None:
+        press = problem.table.press(values)
+        _refuse(press)
     try:
         drawn = reshaped(press, problem.pivots(values))
         motion = cycle(drawn, speed, points=points)
     except (AssemblyError, SingularityError) as error:
         raise PinpressError(f"the start, {listed(values)}, is not a valid press: {error}; start elsewhere") from error
-    design = _close_design(drawn, motion, values, loads)
+    design = _close_design(drawn, motion, values, loads, problem.table)
     point = problem.at(problem.scaled(values), design)
     scaled = tuple(replace(part, scale=_size(part, at_start)) for part, at_start in zip(problem.requirements, point.values, strict=True))
     return replace(problem, requirements=scaled).at(point.z, design)
 
 
-def _close_design(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load]) -> Design:
+def _close_design(drawn: Linkage, motion: Motion, values: dict[str, float], loads: Sequence[Load], table: TableVariables | None) -> Design:
     """The design of a drawn press, closed at the crank angles of a motion."""
     plane = planar(drawn)
     closure = drawn.engine().close(motion.crank_angle, motion.joint_position.T)
     state = closure.position, closure.first, closure.second, closure.gap
-    return Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
+    return Design(Start(drawn, plane, motion, loads, table), values, nowhere(drawn), [], plane, *state)
 
 
 def _size(requirement: Requirement, values: Array) -> float:
@@ -294,7 +321,7 @@ def _finer(optimum: Point, speed: float) -> Point:
     values = problem.values(optimum.z)
     press = reshaped(design.press, problem.pivots(values))
     motion = cycle(press, speed, points=8 * len(design.motion.time))
-    return problem.at(optimum.z, _close_design(press, motion, values, design.start.loads))
+    return problem.at(optimum.z, _close_design(press, motion, values, design.start.loads, problem.table))
 
 
 def _missed_between(finer: Point) -> float:
@@ -328,8 +355,11 @@ def _result(start: Point, search: Search, optimum: Point, speed: float, points: 
         nearest = [_nearest(requirement, elements) for elements in at_ends]
         rows.append(BoundedQuantity(requirement.name, "constraint", lower, nearest[0], nearest[1], upper))
         constraints[requirement.name] = float(at_ends[1][0]) if len(at_ends[1]) == 1 else read_only(at_ends[1])
+    if problem.table is None:
+        press = press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED)
     return SynthesisResult(
-        press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
+        press=press,
+        pin_table=None if problem.table is None else problem.table.text(values),
         variables=FrozenMapping(values),
         value=optimum.objective,
         start_value=start.objective,

@@ -1,0 +1,172 @@
+"""Numbers of a pin table as variables of a synthesis: pivots and inertias of the press as its table draws it.
+
+The file is read once. A design needs the places of the pins alone, which are placed again in a millisecond; the whole press is built where
+forces are asked for, and of the result. Slopes are central differences, because a table's formulas take no complex numbers.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.errors import PinpressError, UnknownNameError, cautions_collected, shown
+from ..common.quantities import Array
+from ..derivatives.motion import Pivots
+from ..linkage.linkage import Linkage
+from ..pin_table.building import DrawnPress, drawn_from
+from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_numbers, written
+from ..pin_table.reading import Entry, read_table
+from ..pin_table.urdf_text import drawn_frames
+
+STEP = 1e-6  # of a variable's range: the differences are exact to about 1e-10, a ten-thousandth of what an optimum's conditions ask for
+SAME = 1e-9  # share by which rounding may change what the variables must not change
+
+
+@dataclass(frozen=True, eq=False)
+class TableVariables:
+    """Variables of a pin table.
+
+    Attributes:
+        table: its entries.
+        numbers: name of each variable -> its number in the table's text.
+        steps: name of each variable -> step of its central differences [as in the table].
+        kept: what the variables must not change -> its values.
+    """
+
+    table: Entry
+    numbers: Mapping[str, TableNumber]
+    steps: Mapping[str, float]
+    kept: Mapping[str, Array]
+
+    @staticmethod
+    def of(path: str | os.PathLike[str], variables: Mapping[str, tuple[float, float]]) -> TableVariables:
+        """The variables of a file.
+
+        Args:
+            path: of the table, or the name of a shipped press.
+            variables: name -> (start, range) [as in the table].
+
+        Raises:
+            PinTableError: the file is no table, or draws no press with these values.
+            UnknownNameError: the table has no such number.
+            PinpressError: nothing in the press depends on a variable.
+        """
+        table = read_table(path)
+        numbers = {".".join(each.path[each.kind == "parameter" :]): each for each in numbers_of(table.file_text)}
+        for name in variables:
+            if name not in numbers:
+                raise UnknownNameError(f"plain number in {table.file}", name, numbers)
+        chosen = {name: numbers[name] for name in variables}
+        found = TableVariables(table, chosen, {name: STEP * size for name, (_, size) in variables.items()}, {})
+        start = {name: value for name, (value, _) in variables.items()}
+        found = replace(found, kept=_kept(found.drawn(start)))
+        for name in variables:
+            ahead, back = (found.drawn(each) for each in found._around(start, name))
+            if _same(_pivots(ahead), _pivots(back)) and _same(_masses(ahead), _masses(back)):
+                raise PinpressError(f"variable {shown(name)}: no place and no mass of {table.file} depends on it; leave it out")
+        return found
+
+    def drawn(self, values: Mapping[str, float]) -> DrawnPress:
+        """The press as the table draws it with other values; raises PinTableError if they make none.
+
+        Raises:
+            PinpressError: a variable changes what crank angles count from, or what moves with the crank by a ratio.
+        """
+        with cautions_collected():  # those of the start and of the result are issued by `press`
+            drawn = self._drawn(values)
+        now = _kept(drawn) if self.kept else {}
+        for what, kept in self.kept.items():
+            if not np.abs(now[what] - kept).max() <= SAME * max(1.0, np.abs(kept).max()):
+                raise PinpressError(
+                    f"{what} changes with {', '.join(values)}, but must be the same in all designs: place the pins"
+                    " of a crank by from, length and angle"
+                )
+        return drawn
+
+    def press(self, values: Mapping[str, float]) -> Linkage:
+        """The press of `text`, in SI units; raises as `build`."""
+        return self._drawn({name: float(written(value)) for name, value in values.items()}).press()
+
+    def text(self, values: Mapping[str, float]) -> str:
+        """The table's text with other values, to 12 digits; all else, such as comments, stays."""
+        by_path = {self.numbers[name].path: value for name, value in values.items()}
+        return rewritten(self.table.file_text, list(self.numbers.values()), by_path)
+
+    def pivots(self, **values: Any) -> Pivots:
+        """Pivots as for `reshaped`; for one complex value their derivatives by it as imaginary parts."""
+        name = next((name for name, value in values.items() if np.iscomplexobj(value)), None)
+        if name is None:
+            return _pivots(self.drawn(values))
+        real = {each: float(np.real(value)) for each, value in values.items()}
+        ahead, back = (_pivots(self.drawn(each)) for each in self._around(real, name))
+        share = 0.5j * np.imag(values[name]) / self.steps[name]
+        return {key: (ahead[key] + back[key]) / 2 + share * (ahead[key] - back[key]) for key in ahead}
+
+    def heavier(self, press: Linkage, values: Mapping[str, float], name: str) -> tuple[Linkage, Linkage, float]:
+        """A press with the masses of a variable one step ahead and one step back, and the distance between them [as in the table]."""
+        ahead, back = (_with_masses(press, _masses(self.drawn(each))) for each in self._around(values, name))
+        return ahead, back, 2 * self.steps[name]
+
+    def _drawn(self, values: Mapping[str, float]) -> DrawnPress:
+        return drawn_from(with_numbers(self.table, {self.numbers[name].path: value for name, value in values.items()}))
+
+    def _around(self, values: Mapping[str, float], name: str) -> tuple[dict[str, float], dict[str, float]]:
+        step = self.steps[name]
+        return {**values, name: values[name] + step}, {**values, name: values[name] - step}
+
+
+def _pivots(drawn: DrawnPress) -> dict[tuple[str, str], Array]:
+    """(bearing, link) -> (3,) position in the link's own frame [m]."""
+    frames = drawn_frames(drawn.parts, drawn.tree)
+    pivots = {(each.name, each.link1): frames[each.link1].actInv(frames[each.link2].translation) for each in drawn.tree.joints}
+    for loop in drawn.tree.loops:
+        assert loop.pin is not None
+        point = drawn.parts.pins[loop.pin].point
+        pivots |= {(loop.name, link): frames[link].actInv(point) for link in (loop.link1, loop.link2)}
+    return pivots
+
+
+def _masses(drawn: DrawnPress) -> dict[str, Array]:
+    """Joint -> (10,) mass, its moments and moments of inertia of the link that it carries, in the link's own frame [SI]."""
+    frames, links = drawn_frames(drawn.parts, drawn.tree), {link.name: link for link in drawn.parts.links}
+    masses = {}
+    for joint in drawn.tree.joints:
+        link, place = links[joint.link2], frames[joint.link2]
+        inertia = pin.Inertia(link.mass, place.actInv(link.centre), place.rotation.T @ link.inertia @ place.rotation)
+        masses[joint.name] = inertia.toDynamicParameters()
+    return masses
+
+
+def _with_masses(press: Linkage, masses: Mapping[str, Array]) -> Linkage:
+    inertias = list(press.model.inertias)
+    for joint, values in masses.items():
+        inertias[press.joints.index(joint) + 1] = pin.Inertia.FromDynamicParameters(values)
+    return press.with_inertias(inertias)
+
+
+def _kept(drawn: DrawnPress) -> dict[str, Array]:
+    """What pivots do not show: how drivers, guides and geared links are turned in the drawn pose, ratios and machine elements."""
+    frames, links, tree = drawn_frames(drawn.parts, drawn.tree), {link.name: link for link in drawn.parts.links}, drawn.tree
+    elements = drawn.parts.elements
+    bodies = {body for element in elements for body in element.bodies}
+    geared = {*tree.drivers, *tree.gears, *(leader for leader, _ in tree.gears.values())}
+    kept: dict[str, Array] = {f"the ratio of {name}": np.array([ratio]) for name, (_, ratio) in tree.gears.items()}
+    for joint in tree.joints:
+        carrier, link = frames[joint.link1].rotation.T, links[joint.link2]
+        if joint.name in geared or joint.pin is None or link.name in bodies:
+            kept[f"the angle of {link.name} in the drawn pose"] = carrier @ frames[link.name].rotation
+        if link.guide is not None:
+            kept[f"the direction of {joint.name}"] = carrier @ link.guide.direction
+    for element in elements:
+        numbers = [value for value in element.values.values() if not isinstance(value, str)]
+        kept[f"a number of {element.name}"] = np.array([*numbers, 0.0], dtype=float)
+    return kept
+
+
+def _same(one: Mapping[Any, Array], other: Mapping[Any, Array]) -> bool:
+    return all(np.array_equal(one[key], other[key]) for key in one)
