@@ -54,12 +54,17 @@ def numbers_of(text: str) -> tuple[TableNumber, ...]:
 
 
 def with_numbers(table: Entry, values: Mapping[Path, float]) -> Entry:
-    """Replace numbers of a table.
+    """Replace numbers of a table by what their `rewritten` text has, 12 digits.
 
     Args:
         table: the table as `read_table` returns it.
         values: path of keys -> new number.
     """
+    return with_exact_numbers(table, {path: float(written(value)) for path, value in values.items()})
+
+
+def with_exact_numbers(table: Entry, values: Mapping[Path, float]) -> Entry:
+    """Replace numbers of a table by all their digits, which differences need; arguments as of `with_numbers`."""
     for path, value in values.items():
         table = _with(table, path, value)
     return table

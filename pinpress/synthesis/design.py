@@ -134,7 +134,7 @@ class Start:
     plane: Plane
     motion: Motion
     loads: Sequence[Load]
-    table: TableVariables | None
+    table: TableVariables | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

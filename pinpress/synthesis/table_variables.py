@@ -19,7 +19,7 @@ from ..common.quantities import Array
 from ..derivatives.motion import Pivots
 from ..linkage.linkage import Linkage
 from ..pin_table.building import DrawnPress, drawn_from
-from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_numbers, written
+from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_exact_numbers, written
 from ..pin_table.reading import Entry, read_table
 from ..pin_table.urdf_text import drawn_frames
 
@@ -113,7 +113,7 @@ class TableVariables:
         return ahead, back, 2 * self.steps[name]
 
     def _drawn(self, values: Mapping[str, float]) -> DrawnPress:
-        return drawn_from(with_numbers(self.table, {self.numbers[name].path: value for name, value in values.items()}))
+        return drawn_from(with_exact_numbers(self.table, {self.numbers[name].path: value for name, value in values.items()}))
 
     def _around(self, values: Mapping[str, float], name: str) -> tuple[dict[str, float], dict[str, float]]:
         step = self.steps[name]
