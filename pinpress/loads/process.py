@@ -52,7 +52,7 @@ class Idle(Checked):
 
 @dataclass(frozen=True, eq=False)
 class ConstantForce(Checked):
-    """Pulse about bottom dead centre: constant force wherever the slide is lower than a height, both ways. Zhang 2007, 5.7.1 (2).
+    """Pulse about bottom dead centre: constant force below a height, both ways, so without work in a stroke. Zhang 2007, 5.7.1 (2).
 
     The window in time of 5.7.3, t = 2.5 ms before and after bottom dead centre, is for a crank r and a rod l at crank speed w, nearly,
     the height r (1 + r/l) (w t)^2 / 2: for r = 15 mm, l = 300 mm and 300 strokes/min 0.0486 mm.

@@ -50,6 +50,10 @@ def test_jobs_of_a_page_are_read_and_pass_the_schema(page: str, tmp_path: Path, 
         if block.title:  # a file, which jobs may name
             with Path(block.title).open("a", encoding="utf-8") as file:
                 file.write(block.body)
+        if block.language == "console":
+            for command, _ in page_blocks.commands(block.body):
+                if command.startswith("pinpress new "):  # a template, which jobs may have for a base
+                    page_blocks.terminal(command)
     for block in jobs(page):
         path = Path(block.title or "job_of_the_page.yaml")
         path.write_text(block.body, encoding="utf-8")
