@@ -108,6 +108,21 @@ def test_variables_are_in_the_units_of_the_table(tmp_path):
     assert stroke == pytest.approx(0.18, rel=1e-9)
 
 
+def test_a_trade_off_over_the_numbers_of_a_table(table):
+    curve = pp.synthesis.trade_off(
+        table,
+        {"r": (80, 95, 110)},
+        first=lambda trial: trial.motion.slide_acceleration,
+        second=lambda trial: -pp.measures.stroke(trial.motion),
+        speed=SPEED,
+        points=24,
+        designs=3,
+    )
+    assert curve.designs[0].variables["r"] == pytest.approx(80, rel=1e-3)  # an end gives way by 1e-4 of the curve's range
+    assert curve.designs[-1].variables["r"] == pytest.approx(110, rel=1e-3)
+    assert "r: 110" in curve.designs[-1].pin_table or "r: 109.9" in curve.designs[-1].pin_table
+
+
 REFUSALS = [
     ({"q": (1, 2, 3)}, "'q'"),
     ({"spare": (1, 2, 3)}, "variable 'spare': no place and no mass of .*press.yaml depends on it; leave it out"),
