@@ -471,6 +471,8 @@ class Job(Frozen):
             self._refuse("stopping", "the job has no brake", "write brake: {torque: 25 kN m, rise: 50 ms}")
         if self.speed is None:
             raise PinpressError(f"{self.source.file}: a stop begins at a speed; write speed: 50 r/min")
+        if "edition" not in given and (of := [name for name in OF_DISTANCE if name in given]):
+            self._refuse("stopping", f"{of[0]} is of a distance, and there is no edition", "write edition: ISO 13855:2010")
         for name in OF_DISTANCE:
             given.pop(name, None)
         beside = [load for load in self.loads.values() if isinstance(load, StandingLoad)]

@@ -37,6 +37,7 @@ from .safety_distance import LONG, SafetyDistance, length_argument, not_negative
 FULL, HALF, UNLOADED = "all springs", "half of the springs", "without the loads"
 STEP = math.radians(5.0)  # between signals of the closing stroke, twice as much elsewhere; the worst one is searched between two of them
 STATICS = math.radians(0.5)  # between poses in which the holding torque is computed; edges and peaks between them are searched
+INSTANTS = 257  # of a stop among which the one is where the crank turns back: it hardly moves there
 NARROW = 1e-10  # bracket of a searched angle [rad]
 
 
@@ -47,7 +48,8 @@ class Stop(Record, units={"signal": "rad", "time": "s", "overrun": "rad", "trave
     Attributes:
         signal: crank angle at the signal [rad].
         time: from the signal to standstill [s].
-        overrun: angle that the crank turns meanwhile, positive in the sense in which it runs [rad].
+        overrun: angle from the signal to standstill, positive in the sense in which the crank runs; negative if it turns back before the
+            brake closes [rad].
         travel: way of the slide meanwhile, down and up [m].
     """
 
@@ -180,13 +182,16 @@ class StoppingTimes(OfPress, Tabular):
 
         Warns:
             PinpressWarning: half of the springs do not hold the press, or all of them only with the loads, a stop takes more than
-                2 s, or the resolution is below 5 mm.
+                2 s or is longer outside of the closing stroke, or the resolution is below 5 mm.
         """
         given = {"resolution": resolution, "reach": reach, "supplement": supplement}
         lengths = {name: length_argument(name, value) for name, value in given.items() if value is not None}
         for name, what in ((HALF, "half of the springs"), (UNLOADED, "without the loads the brake")):
             if name in self.cases and self.cases[name].slips:
                 caution(f"{what} {_slipping(self.cases[name])}: a distance does not make up for that; give a stronger brake")
+        if (other := self.cases[FULL].worst_elsewhere) is not None:
+            outside = f"{other.time:.4g} s after a signal at {math.degrees(other.signal % (2 * np.pi * self._press.period_turns)):.2f} deg"
+            caution(f"a stop takes {outside}, outside of the closing stroke, and the distance is that of {self.worst.time:.4g} s")
         in_quarter = float(np.interp(0.5 * np.pi, np.abs(self.signal - self.signal[0]), self.cases[FULL].time))
         times = {"stopping": self.worst.time, "at 90 deg": in_quarter, "control": self.control, "device": self.device}
         return safety_distance(edition, times, self.monitor, lengths, truth_value("two_hand", two_hand))
@@ -301,8 +306,11 @@ class BrakedPress(NamedTuple):
         path = run.trajectory
         moving = path.at(0.5 * (path.borders[:-1] + path.borders[1:]), complete=False).speed[0] != 0.0
         time = float(path.borders[np.flatnonzero(moving)[-1] + 1])  # a press that slips back and stops again stands only then
-        overrun = float(path.at(np.array([time]), complete=False).position[0, 0]) - signal
-        return Stop(signal, time, math.copysign(1.0, self.speed) * overrun, _travel(self.press, signal, signal + overrun))
+        angles = path.at(np.linspace(0.0, time, INSTANTS), complete=False).position[0]
+        back = 1 + np.flatnonzero(np.diff(angles[:-1]) * np.diff(angles[1:]) < 0.0)  # a slow press may turn back before its brake closes
+        places = [signal, *angles[back].tolist(), float(angles[-1])]
+        travel = sum(_travel(self.press, start, end) for start, end in pairwise(places))
+        return Stop(signal, time, math.copysign(1.0, self.speed) * (places[-1] - signal), travel)
 
 
 def _travel(press: Linkage, start: float, end: float) -> float:

@@ -80,8 +80,11 @@ def safety_distance(
         coarse = f"resolution is {1e3 * lengths['resolution']:g} mm: Dpf = 3.4 (d - 7 mm) is for curtains of at most {1e3 * FINE:g} mm"
         raise PinpressError(f"{coarse}, through which no arm reaches; give one of them")
     stopping_time = times["at 90 deg" if edition.startswith("OSHA") else "stopping"]
+    computed = "computed, without wear, heat and scatter"
+    if stopping_time < times["stopping"]:
+        computed += f"; the longest stop takes {times['stopping']:.4g} s"
     rows: list[tuple[str, float, str]] = [
-        ("stopping time", stopping_time, "computed, without wear, heat and scatter"),
+        ("stopping time", stopping_time, computed),
         ("control", times["control"], "given"),
         ("device", times["device"], "given"),
     ]

@@ -150,6 +150,14 @@ def test_a_failed_balance_cylinder_is_a_case_of_its_own() -> None:
     assert (closed[0], closed[-1]) == pytest.approx((ends.top_angle, ends.top_angle - np.pi), abs=1e-9)
 
 
+def test_a_slow_press_that_turns_back_before_its_brake_closes_goes_both_ways() -> None:
+    lifted = [pp.loads.PointForce("slide", (0.0, 0.0, 2e3))]
+    stops = pp.ratings.stopping(shipped("crank_slide"), 1.0, 2000.0, 0.25, 0.05, loads=lifted).cases["all springs"]
+    [k] = np.flatnonzero(np.abs(np.degrees(stops.signal) - 200.0) < 1e-6)
+    assert math.degrees(stops.overrun[k]) == pytest.approx(-33.13, abs=0.005)
+    assert stops.travel[k] == pytest.approx(0.01236, abs=2e-5)  # 6.54 mm from end to end
+
+
 # the formulas by hand: T [s], d [mm], S [mm]; the first one is printed by Rockwell 450L-UM001, p. 72
 BY_ISO = [(0.32, 14, 512.0), (0.238, 14, 476.0), (0.238, 20, 500.0), (0.238, 30, 508.8), (0.238, 40, 588.8)]
 BY_ISO += [(0.268, 14, 500.0), (0.268, 20, 500.0), (0.268, 30, 556.8), (0.268, 40, 636.8), (0.04, 14, 100.0), (0.238, 50, 1230.8)]
