@@ -37,6 +37,7 @@ from .safety_distance import LONG, SafetyDistance, length_argument, not_negative
 FULL, HALF, UNLOADED = "all springs", "half of the springs", "without the loads"
 STEP = math.radians(5.0)  # between signals of the closing stroke, twice as much elsewhere; the worst one is searched between two of them
 STATICS = math.radians(0.5)  # between poses in which the holding torque is computed; edges and peaks between them are searched
+LONGER = 1e-7  # by which a stop must last longer than another one to count as longer [s]
 INSTANTS = 257  # of a stop among which the one is where the crank turns back: it hardly moves there
 NARROW = 1e-10  # bracket of a searched angle [rad]
 
@@ -346,7 +347,7 @@ def _braking(braked: BrakedPress, signal: Array, closing: Array) -> Braking:
     if slips:
         none = np.zeros(0)
         return Braking(none, braked.torque, margin, slips, none, none, none, None, None, None)
-    until = braked.longest(largest)
+    until, period = braked.longest(largest), 2 * np.pi * braked.press.period_turns
 
     def stop(angle: float) -> Stop:
         return braked.stop(angle, until)
@@ -354,7 +355,7 @@ def _braking(braked: BrakedPress, signal: Array, closing: Array) -> Braking:
     stops = [stop(float(angle)) for angle in signal]
     time, overrun, travel = (read_only(np.array([getattr(each, name) for each in stops])) for name in ("time", "overrun", "travel"))
     longest = _longest(stop, stops, np.flatnonzero(closing).tolist())
-    elsewhere = _longest(stop, stops, range(len(stops))) if time.max() > time[closing].max() else None
+    elsewhere = _elsewhere(stop, stops, closing, math.copysign(period, braked.speed), longest)
     top = _top_stop(braked, stop, stops)
     return Braking(read_only(signal), braked.torque, margin, (), time, overrun, travel, longest, elsewhere, top)
 
@@ -364,6 +365,17 @@ def _longest(stop: StopAfter, stops: Sequence[Stop], among: Sequence[int]) -> St
     k = max(among, key=lambda k: stops[k].time)
     places = [stops[j].signal for j in (k - 1, k, k + 1) if j in among]
     return _highest(stop, min(places), max(places), stops[k])
+
+
+def _elsewhere(stop: StopAfter, stops: Sequence[Stop], closing: Array, whole: float, longest: Stop) -> Stop | None:
+    """The longest stop of all, if it takes longer than the ``longest`` one of the closing stroke; signals come again after ``whole``."""
+    n = len(stops)
+    k = max(range(n), key=lambda k: stops[k].time)
+    if closing[[k - 1, k, (k + 1) % n]].all():
+        return None
+    ends = stops[k - 1].signal - (whole if k == 0 else 0.0), stops[(k + 1) % n].signal + (whole if k == n - 1 else 0.0)
+    found = _highest(stop, min(ends), max(ends), stops[k])
+    return found if found.time > longest.time + LONGER else None
 
 
 def _highest(stop: StopAfter, low: float, high: float, best: Stop) -> Stop:

@@ -150,6 +150,19 @@ def test_a_failed_balance_cylinder_is_a_case_of_its_own() -> None:
     assert (closed[0], closed[-1]) == pytest.approx((ends.top_angle, ends.top_angle - np.pi), abs=1e-9)
 
 
+@pytest.mark.exhaustive
+def test_a_longer_stop_right_before_top_dead_centre_is_found() -> None:
+    press, speed = shipped("zxn2_3000b"), 50 * pp.RPM
+    brake = 1.0002 * 14989.069
+    stops = pp.ratings.stopping(press, speed, brake, 0.03, 0.05)
+    longest = stops.cases["all springs"].worst_elsewhere
+    assert longest is not None
+    assert math.degrees(longest.signal) % 360 == pytest.approx(155.41, abs=0.01)  # 0.085 deg before top dead centre
+    assert longest.time > 2 * stops.worst.time
+    with pytest.warns(pp.PinpressWarning, match="outside of the closing stroke"), pytest.warns(pp.PinpressWarning):
+        stops.distance("ISO 13855:2010", resolution=0.014)
+
+
 def test_a_slow_press_that_turns_back_before_its_brake_closes_goes_both_ways() -> None:
     lifted = [pp.loads.PointForce("slide", (0.0, 0.0, 2e3))]
     stops = pp.ratings.stopping(shipped("crank_slide"), 1.0, 2000.0, 0.25, 0.05, loads=lifted).cases["all springs"]
