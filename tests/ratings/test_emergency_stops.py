@@ -159,7 +159,7 @@ def test_a_longer_stop_right_before_top_dead_centre_is_found() -> None:
     assert longest is not None
     assert math.degrees(longest.signal) % 360 == pytest.approx(155.41, abs=0.01)  # 0.085 deg before top dead centre
     assert longest.time > 2 * stops.worst.time
-    with pytest.warns(pp.PinpressWarning, match="outside of the closing stroke"), pytest.warns(pp.PinpressWarning):
+    with pytest.warns(pp.PinpressWarning, match="outside of the closing stroke"), pytest.warns(pp.PinpressWarning, match="does not hold"):
         stops.distance("ISO 13855:2010", resolution=0.014)
 
 
