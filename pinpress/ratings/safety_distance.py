@@ -80,11 +80,8 @@ def safety_distance(
         coarse = f"resolution is {1e3 * lengths['resolution']:g} mm: Dpf = 3.4 (d - 7 mm) is for curtains of at most {1e3 * FINE:g} mm"
         raise PinpressError(f"{coarse}, through which no arm reaches; give one of them")
     stopping_time = times["at 90 deg" if edition.startswith("OSHA") else "stopping"]
-    computed = "computed, without wear, heat and scatter"
-    if stopping_time < times["stopping"]:
-        computed += f"; the longest stop takes {times['stopping']:.4g} s"
     rows: list[tuple[str, float, str]] = [
-        ("stopping time", stopping_time, computed),
+        ("stopping time", stopping_time, "computed, without wear, heat and scatter"),
         ("control", times["control"], "given"),
         ("device", times["device"], "given"),
     ]
@@ -102,7 +99,9 @@ def safety_distance(
     else:
         more = {} if edition.startswith("OSHA") else {"Dpf": max(3.4 * (lengths["resolution"] - 0.007), 0.0)}
         pace, least = 63 * IN, 0.0
-        formula = f"S = 63 in/s T + Dpf, Dpf = 3.4 (d - 7 mm); {ANSI}" if more else f"S = 63 in/s T; {OSHA}"
+        formula = f"S = 63 in/s T; {OSHA}, the longest is {times['stopping']:.4g} s"
+        if more:
+            formula = f"S = 63 in/s T + Dpf, Dpf = 3.4 (d - 7 mm); {ANSI}"
     addends: list[tuple[str, float | None, float, str]] = [(name, time, pace * time, source) for name, time, source in rows]
     addends += [(name, None, length, "given" if name in ("D_DS", "Z") else "formula") for name, length in more.items()]
     distance = pace * total + sum(more.values())
