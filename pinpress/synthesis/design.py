@@ -183,9 +183,8 @@ class Design:
     @cached_property
     def press(self) -> Linkage:
         """The linkage of this design, drawn in its own closed pose; of a pin table with the masses that it gives to this design."""
-        if self.start.table is not None:
-            return self.start.table.press(self.variables)
-        return redrawn(self.start.press, self.moved, self.position[:, 0])
+        press = redrawn(self.start.press, self.moved, self.position[:, 0])
+        return press if self.start.table is None else self.start.table.weighed(press, self.variables)
 
     def trial(self) -> Trial:
         """The trial of this design, with real arrays."""
@@ -221,8 +220,8 @@ class Design:
 
     @cached_property
     def _rates(self) -> Rates:
-        speed = self.start.motion.crank_speed[0]
-        return Rates.of(self._states, self.first * speed, self.second * speed**2)
+        speed, acceleration = self.start.motion.crank_speed, self.start.motion.crank_acceleration  # a driver that slides turns round
+        return Rates.of(self._states, self.first * speed, self.second * speed**2 + self.first * acceleration)
 
     @cached_property
     def _by(self) -> list[Shift]:

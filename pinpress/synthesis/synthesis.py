@@ -355,7 +355,9 @@ def _result(start: Point, search: Search, optimum: Point, speed: float, points: 
         nearest = [_nearest(requirement, elements) for elements in at_ends]
         rows.append(BoundedQuantity(requirement.name, "constraint", lower, nearest[0], nearest[1], upper))
         constraints[requirement.name] = float(at_ends[1][0]) if len(at_ends[1]) == 1 else read_only(at_ends[1])
-    if problem.table is None:
+    if problem.table is not None:
+        press = _built(problem.table, values, trial, speed, points)
+    else:
         press = press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED)
     return SynthesisResult(
         press=press,
@@ -373,6 +375,15 @@ def _result(start: Point, search: Search, optimum: Point, speed: float, points: 
         infeasible=search.infeasible,
         _rows=Records(BoundedQuantity, rows),
     )
+
+
+def _built(table: TableVariables, values: Mapping[str, float], trial: Motion, speed: float, points: int | None) -> Linkage:
+    """The press of a table with the values that were found; raises PinpressError if it moves in another way than its trial."""
+    press = table.press(values)
+    gone, expected = (each.joint_position - each.joint_position[0] for each in (period_at(press, speed, points), trial))
+    if gone.shape != expected.shape or not np.abs(gone - expected).max() <= 1e-9 * (1 + press.size):
+        raise PinpressError(f"the table with {listed(values)} moves in another way than its trial: give narrower bounds of the variables")
+    return press
 
 
 def _nearest(requirement: Requirement, values: Array) -> float:

@@ -1,7 +1,7 @@
 """Numbers of a pin table as variables of a synthesis: pivots and inertias of the press as its table draws it.
 
-The file is read once. A design needs the places of the pins alone, which are placed again in a millisecond; the whole press is built where
-forces are asked for, and of the result. Slopes are central differences, because a table's formulas take no complex numbers.
+The file is read once. Of a design, the pins are placed again in a millisecond or two, and the masses of the links with them; the whole
+press is built at the start and of the result. Slopes are central differences, because a table's formulas take no complex numbers.
 """
 
 from __future__ import annotations
@@ -109,8 +109,15 @@ class TableVariables:
 
     def heavier(self, press: Linkage, values: Mapping[str, float], name: str) -> tuple[Linkage, Linkage, float]:
         """A press with the masses of a variable one step ahead and one step back, and the distance between them [as in the table]."""
-        ahead, back = (_with_masses(press, _masses(self.drawn(each))) for each in self._around(values, name))
+        ahead, back = (self.weighed(press, each) for each in self._around(values, name))
         return ahead, back, 2 * self.steps[name]
+
+    def weighed(self, press: Linkage, values: Mapping[str, float]) -> Linkage:
+        """A press whose links have the frames of the table's, with the masses of other values."""
+        inertias = list(press.model.inertias)
+        for joint, parameters in _masses(self.drawn(values)).items():
+            inertias[press.joints.index(joint) + 1] = pin.Inertia.FromDynamicParameters(parameters)
+        return press.with_inertias(inertias)
 
     def _drawn(self, values: Mapping[str, float]) -> DrawnPress:
         return drawn_from(with_exact_numbers(self.table, {self.numbers[name].path: value for name, value in values.items()}))
@@ -142,13 +149,6 @@ def _masses(drawn: DrawnPress) -> dict[str, Array]:
     return masses
 
 
-def _with_masses(press: Linkage, masses: Mapping[str, Array]) -> Linkage:
-    inertias = list(press.model.inertias)
-    for joint, values in masses.items():
-        inertias[press.joints.index(joint) + 1] = pin.Inertia.FromDynamicParameters(values)
-    return press.with_inertias(inertias)
-
-
 def _kept(drawn: DrawnPress) -> dict[str, Array]:
     """What pivots do not show: how drivers, guides and geared links are turned in the drawn pose, ratios and machine elements."""
     frames, links, tree = drawn_frames(drawn.parts, drawn.tree), {link.name: link for link in drawn.parts.links}, drawn.tree
@@ -162,6 +162,8 @@ def _kept(drawn: DrawnPress) -> dict[str, Array]:
             kept[f"the angle of {link.name} in the drawn pose"] = carrier @ frames[link.name].rotation
         if link.guide is not None:
             kept[f"the direction of {joint.name}"] = carrier @ link.guide.direction
+    if drawn.tool is not None:
+        kept["the point of the tool"] = frames[drawn.tool.link].actInv(drawn.tool.point)
     for element in elements:
         numbers = [value for value in element.values.values() if not isinstance(value, str)]
         kept[f"a number of {element.name}"] = np.array([*numbers, 0.0], dtype=float)

@@ -1,10 +1,13 @@
 """Synthesis over the numbers of a pin table: slopes and optimum of presses that are built again, text, units, refusals."""
 
+import contextlib
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 import pinpress as pp
+from pinpress.pin_table.templates import template
 
 SPEED = 60 * pp.RPM
 STEP = 0.01  # of differences between built presses [mm]
@@ -148,3 +151,29 @@ def test_a_table_has_its_own_geometry(table):
         pp.synthesis.synthesise(table, {"r": (80, 95, 110)}, minimise=torque, geometry=lambda r: {}, speed=SPEED)
     with pytest.raises(pp.PinpressError, match="press is 3: give the path of a file"):
         pp.synthesis.synthesise(3, {"r": (80, 95, 110)}, minimise=torque, speed=SPEED)
+
+
+def test_a_driver_that_slides_to_and_fro(tmp_path):
+    """Its speed is not constant: trials have the velocities, accelerations and torques of `cycle`, and slopes of built presses."""
+    path, seen = tmp_path / "toggle.yaml", []
+    path.write_bytes(template("toggle"))
+
+    def objective(trial):
+        seen.append(trial)
+        return trial.motion.slide_acceleration
+
+    with contextlib.suppress(pp.PinpressError):  # whether there is an optimum does not matter
+        pp.synthesis.synthesise(path, {"lower": (338, 340, 342)}, minimise=objective, speed=0.1, points=24)
+    trial = next(each for each in seen if np.iscomplexobj(each.variables["lower"]))
+    h = np.imag(trial.variables["lower"])
+    press = pp.build(path)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 0.1, points=24))
+    for name in ("driving_torque", "shaking_force", "shaking_moment"):
+        exact = getattr(reactions, name)
+        assert np.real(getattr(trial.reactions, name)) == pytest.approx(exact, abs=1e-9 * np.abs(exact).max())
+    ahead, here, back = (pp.cycle(pp.build(path, lower=340 + way * STEP), 0.1, points=24) for way in (1, 0, -1))
+    for name in ("slide_position", "slide_velocity", "slide_acceleration"):
+        exact, size = getattr(trial.motion, name), np.abs(getattr(here, name)).max()
+        assert np.real(exact) == pytest.approx(getattr(here, name), abs=1e-10 * size)
+        difference = (getattr(ahead, name) - getattr(back, name)) / (2 * STEP)
+        assert np.imag(exact) / h == pytest.approx(difference, abs=1e-6 * np.abs(difference).max())
