@@ -270,7 +270,7 @@ def build_problem(
         _refuse_other_press(press, other, condition.name or f"number {number}")
     bearings = tuple(dict.fromkeys(criterion.bearing for criterion in criteria if criterion.bearing is not None))
     if (press.uneven and bearings) or (press.loses_power and any(criterion.quantity in DRIVING for criterion in criteria)):
-        press.refuse_contacts("bearing forces, and torques with losses, are not linear in masses then; balance shaking force and moment")
+        press.refuse_contacts("with them bearing forces and lossy torques are not linear in masses; balance shaking force and moment")
     reactions = tuple(
         inverse_dynamics(other, condition.motion, condition.loads, bearings=bearings)
         for other, condition in zip(presses, conditions, strict=True)

@@ -27,7 +27,7 @@ from .reactions import Reactions, carrying, find_wrenches
 
 NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 PASSIVE = ("free", "given", "equilibrium")
-ROUNDED = 1e-9  # share of the largest effort of a cam that is rounding
+ROUNDED = 1e-9  # share of the largest effort of a cam that is rounding error
 CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
 T = TypeVar("T")
 
@@ -105,7 +105,7 @@ def _doubt_cams(press: Linkage, motion: Motion, wrenches: Wrenches) -> None:
         least = int(effort.argmin())
         if effort[least] < -ROUNDED * np.abs(effort).max():
             problem = f"{press.name}: its roller leaves the cam {cam.name!r} at {motion.place(least)}, where the cam would have to pull it"
-            caution(f"{problem}: press it on by a spring or a load, lower the speed, or write kind groove")
+            caution(f"{problem}: press the roller on by a spring or a load, lower the speed, or write kind groove")
 
 
 def _move_passive(

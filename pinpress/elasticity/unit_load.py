@@ -227,7 +227,7 @@ def hold(press: Linkage, springs: tuple[Spring, ...], motion: Motion) -> HeldPre
         PinpressError: a guide's moment or an arm would share forces with parallel rods.
     """
     if press.uneven:
-        press.refuse_contacts("deflections do not add up where they push bearings apart; give their ratios alone, gears or <relation>")
+        press.refuse_contacts("they push bearings apart, so deflections do not add up; write only their ratios, as gears or <relation>")
     held = HeldPress(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
     if apart and press.engine_of_one_driver.redundant(press.closed):

@@ -1,7 +1,7 @@
-"""Load cases of a link for a finite element program: forces, moments, gravity and inertia in the link's axes, which sum to nothing.
+"""Load cases of a link for a finite element program: forces, moments, gravity and inertia in the link's axes, which are in balance.
 
     cases = pp.fe.load_cases(press, reactions, link="rod", at="peak W")
-    print(cases)  # every force, and what is left over
+    print(cases)  # every force, and the residual of the balance
     cases.to_csv("rod.csv")  # N, mm, t, s
     cases.write_inp("rod_cases.inp", mesh="rod.inp", nodes={"P": 1, "W": 2})  # CalculiX, Abaqus
 

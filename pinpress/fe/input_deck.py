@@ -21,7 +21,7 @@ NOTHING = 1e-12  # share of the largest force or moment below which a component 
 
 
 def write_deck(cases: LinkLoads, path: str | os.PathLike[str], mesh: str | os.PathLike[str], nodes: Mapping[str, int]) -> None:
-    """Write the file; arguments as of `LinkLoads.write_inp`."""
+    """Write the file; for the arguments see `LinkLoads.write_inp`."""
     places, elements = _read_mesh(mesh)
     for name, node in nodes.items():
         if node not in places:
@@ -69,7 +69,7 @@ def _step(cases: LinkLoads, k: int, nodes: Mapping[str, int], middles: Mapping[i
 
 
 def _read_mesh(mesh: str | os.PathLike[str]) -> tuple[dict[int, Array], dict[int, list[int]]]:
-    """Nodes -> places (3,) [mm], and solid, shell or beam elements -> their nodes; without springs and masses."""
+    """Nodes -> places (3,) [mm], and solid, shell or beam elements -> nodes; springs and masses are left out."""
     name = path_of("mesh", mesh)
     try:
         text = Path(name).read_text(encoding="utf-8", errors="replace")

@@ -24,8 +24,8 @@ from ..kinematics.poses import bearing_points, body_of, contact_points, loaded_b
 from ..linkage.linkage import Linkage, OfPress
 from .input_deck import write_deck
 
-BALANCED = 1e-8  # share of the largest force up to which what is left over is rounding
-MOST = 1000  # load cases; more are no cases to look at one by one
+BALANCED = 1e-8  # share of the largest force up to which the residual is rounding error
+MOST = 1000  # load cases; nobody reads more of them one by one
 PEAK = "peak "
 
 
@@ -33,9 +33,9 @@ PEAK = "peak "
 class LinkLoads(OfPress, Tabular):
     """What acts on a link in n load cases, in the link's axes. All arrays are read-only.
 
-    Forces and moments are those on the link. A force acts at its point, a moment is about it. With the body force (per mass)
-    ``gravity - origin_acceleration - angular_acceleration x r - angular_velocity x (angular_velocity x r)``, r from the link's origin, all
-    is in balance.
+    Forces and moments are those on the link. A force acts at its point, a moment about its point. With the body force (per mass)
+    ``gravity - origin_acceleration - angular_acceleration x r - angular_velocity x (angular_velocity x r)``, where r counts from the
+    link's origin, all is in balance.
 
     Attributes:
         press_name: name of the press.
@@ -44,7 +44,7 @@ class LinkLoads(OfPress, Tabular):
         com: (3,) its centre of mass [m].
         inertia: (3, 3) about the centre of mass [kg m2].
         place: (n,) angle or position of the first driver, (n, drivers) of several [rad or m].
-        remark: (n,) as "where the load begins", or which peak a case is; mostly empty.
+        remark: (n,) text such as "where the load begins", or the peak that the case is; mostly empty.
         point: name of what acts -> (n, 3) where it acts [m].
         force: name -> (n, 3) its force [N].
         moment: name -> (n, 3) its moment [N m].
@@ -90,7 +90,7 @@ class LinkLoads(OfPress, Tabular):
 
     @property
     def residual(self) -> tuple[Array, Array]:
-        """Sizes of what is left over in each case: forces (n,) [N], and moments (n,) about the link's origin [N m]."""
+        """Residuals of the balance in each case: sizes of forces (n,) [N], and moments (n,) about the link's origin [N m]."""
         spin, turning = self.angular_velocity, self.angular_acceleration
         weight = self.mass * self.body_force(self.com[None])[:, 0]
         tilted = turning @ self.inertia + np.cross(spin, spin @ self.inertia)
@@ -134,10 +134,10 @@ class LinkLoads(OfPress, Tabular):
     def write_inp(self, path: str | os.PathLike[str], *, mesh: str | os.PathLike[str], nodes: Mapping[str, int]) -> None:
         """Write the load cases as steps of an input file of CalculiX or Abaqus, in N, mm, t and s.
 
-        Gravity and inertia are a GRAV for each element, and CENTRIF. (CalculiX has no card for angular acceleration.) Within an element
-        the part of the angular acceleration alpha is that of its middle: the couple alpha x sum of m_e (dx^2 + dz^2)/12 is left over,
-        which falls with the square of the elements' size. Moments are CLOADs at degrees of freedom 4 to 6: give them a node of a rigid
-        body or coupling. Supports, material and sections stay in the mesh's file; it is included.
+        Gravity and inertia are a GRAV for each element, and CENTRIF. (CalculiX has no card for angular acceleration.) Within an element the
+        part of the angular acceleration alpha is taken at the middle. This neglects the couple alpha x sum of m_e (dx^2 + dz^2)/12, which
+        falls with the square of the elements' size. Moments are CLOADs at degrees of freedom 4 to 6: give them a node of a rigid body or
+        coupling. Supports, material and sections stay in the file of the mesh, which is included.
 
         Args:
             path: of the file to write.
@@ -164,8 +164,9 @@ def load_cases(press: Linkage, reactions: Reactions, link: str, at: str | Sequen
         press: the press.
         reactions: reactions of all its bearings to a motion.
         link: name of the link.
-        at: "extremes": where the largest force of each bearing of the link and the largest driving torque are; "peak NAME": where that of
-            one bearing is, "peak torque": the driving torque; "states": all states of the motion; or angles of the first driver [rad].
+        at: "extremes": states with the largest force of each bearing of the link, and with the largest driving torque; "peak NAME": only
+            that of one bearing; "peak torque": only that of the driving torque; "states": all states of the motion; or angles of the first
+            driver [rad].
 
     Raises:
         PinpressError: the reactions are of another press or leave out a bearing, the link is the frame, an angle is not in the motion,
@@ -189,8 +190,8 @@ def load_cases(press: Linkage, reactions: Reactions, link: str, at: str | Sequen
     )
     if force.max() > BALANCED * size or moment.max() > BALANCED * size * press.size:
         raise PinpressError(
-            f"what acts on {link} is not in balance: {force.max():.4g} N and {moment.max():.4g} N m are left over. Springs in joints and"
-            " planets that stand for several are not in its load cases: take another link, or leave these out"
+            f"what acts on {link} is not in balance: {force.max():.4g} N and {moment.max():.4g} N m remain. Load cases do not include"
+            " springs in joints and planets that stand for several: take another link, or leave these out"
         )
     sizes = {name: np.linalg.norm(each, axis=1) for name, each in everywhere.force.items()}
     first = everywhere.place.reshape(len(everywhere.remark), -1)[:, 0]
@@ -203,7 +204,7 @@ def load_cases(press: Linkage, reactions: Reactions, link: str, at: str | Sequen
 
 
 def _chosen(press: Linkage, reactions: Reactions, everywhere: LinkLoads, body: int, at: str | Sequence[float]) -> LinkLoads:
-    """The load cases that are asked for; ``everywhere``: what acts in all states in which something is largest or jumps."""
+    """The requested load cases; ``everywhere``: what acts in all states in which a force is largest or jumps."""
     if not isinstance(at, str):
         angles = suitable_numbers("at", at, "angles of the first driver [rad], or a text such as 'extremes'", (None,), len)
         return _cut_free(press, states_at(reactions, angles), everywhere.link, body)
@@ -225,7 +226,7 @@ def _chosen(press: Linkage, reactions: Reactions, everywhere: LinkLoads, body: i
     remarks = (", ".join(filter(None, [f"largest {' and '.join(cases[k])}", peaks.remarks[k]])) for k in chosen)
 
     def some(value: Any) -> Any:
-        """Those rows of arrays, or of mappings of arrays."""
+        """The chosen rows of arrays, or of mappings of arrays."""
         if isinstance(value, Mapping):
             return FrozenMapping({name: read_only(each[chosen]) for name, each in value.items()})
         return read_only(value[chosen]) if isinstance(value, np.ndarray) else value

@@ -1,12 +1,12 @@
-"""Teeth and threads of a linkage as drawn: which joints they relate, and how the bodies push on each other.
+"""Teeth and threads of a linkage in the drawn pose: which joints they relate, and how the bodies push on each other.
 
-Gears mesh by the angles against the link that carries both centres: z1 (th1 - thc) + z2 (th2 - thc) stays as drawn, with z < 0 of an
-internal gear and angles th that are sums of joint coordinates from the frame. A rack rolls on the pitch circle, s = r th, a nut runs along
-a thread, s = L/(2 pi) th, both against the same link. So each element is a row of coefficients of joints, and the multiplier of the row
-an effort on the joint that it determines.
+Two gears turn relative to the link that carries both centres: z1 (th1 - thc) + z2 (th2 - thc) stays constant. Here z < 0 for an internal
+gear, and the angles th are sums of joint coordinates from the frame. A rack rolls on the pitch circle, s = r th, a nut runs along a
+thread, s = L/(2 pi) th, both relative to the same link. So each element is a row of coefficients of joints. The multiplier of the row is
+an effort on the joint that the row determines.
 
 The real action is a force at the pitch point. Its part along the motion follows from virtual work, its other parts from pressure angle,
-helix and friction. Seen from the carrier it does not change its direction, so it is computed once, in the drawn pose.
+helix and friction. Seen from the carrier this force keeps its direction, so it is computed once, in the drawn pose.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ class Mesh(Frozen):
         kind: "gears", "rack", "screw" or "worm", by the class.
         links: names of its two links, in the order of the element.
         carrier: name of the link in which the pitch point stands still.
-        ratio: speed of the second by that of the first link, relative to the carrier: of gears about the same axis [rad/rad], of a worm
-            about the axes of both joints, of a rack along its guide and of a nut along the screw's axis [m/rad].
+        ratio: speed of the second link / speed of the first link, relative to the carrier: of gears about the same axis [rad/rad], of a
+            worm about the axes of both joints, of a rack along its guide and of a nut along the screw's axis [m/rad].
         pitch_point: (3,) where they touch, in the carrier's link frame [m].
         centres: (2, 3) points on the axes of the two, each in its link's frame [m]; of a rack the point of the pitch line as drawn.
         axes: (2, 3) unit vectors of these axes, each in its link's frame; of a rack the direction of its guide.
@@ -86,8 +86,8 @@ class Gears(Mesh):
         module: of the normal section [m]; without one in the file that of the drawn centre distance.
         pressure_angle: at the pitch point, in the plane across the axes [rad]; with a module in the file the working one.
         helix: angle of the teeth at the pitch circles [rad].
-        efficiency: power that goes on by the power that rolls through the teeth.
-        planets: number of equal planets for which the one drawn stands.
+        efficiency: power passed on / power that rolls through the teeth.
+        planets: number of equal planets for which the drawn one stands.
     """
 
     kind = "gears"
@@ -129,9 +129,9 @@ class Threaded(Mesh):
     """Two bodies of which one has a thread, which rubs as a wedge does. Efficiencies are those of the thread alone.
 
     Attributes:
-        lead_angle: of the thread at its mean diameter, of a worm at its pitch circle [rad]; a quarter turn of a screw without a diameter.
+        lead_angle: of the thread at its mean diameter, of a worm at its pitch circle [rad]; pi/2 for a screw without a diameter.
         efficiency: where the screw or worm drives.
-        efficiency_backward: where the nut or wheel drives; 0 or less if it cannot, as the thread locks itself.
+        efficiency_backward: where the nut or wheel drives; 0 or less if the thread locks itself.
     """
 
     lead_angle: float
@@ -201,7 +201,7 @@ class Placed(NamedTuple):
 
 
 class _MeshError(Exception):
-    """A problem and its remedy; before them the element, if it does not fit to others."""
+    """A problem and its remedy; the element comes first, if it does not fit other elements."""
 
 
 # ------------------------------------------------------------------------------------------------------------- relations and contacts
@@ -236,8 +236,8 @@ def relations_of(
     drivers: Collection[int],
     others: Sequence[Relation],
 ) -> tuple[Relation, ...]:
-    """The relations of elements. Each determines a joint that no driver moves and no other relation determines, if possible one that is on
-    no loop. A redundant one, such as that of a second planet, determines a joint that another one determines too.
+    """The relations of elements. Each relation determines a joint that no driver moves and no other relation determines, if possible a
+    joint on no loop. A redundant relation, such as that of a second planet, determines a joint that another relation determines too.
 
     Args:
         document: of the linkage, for messages.
@@ -245,7 +245,7 @@ def relations_of(
         model: of its tree.
         loops: of the linkage.
         drivers: indices of the drivers in v.
-        others: relations that the file has beside them.
+        others: other relations of the file.
 
     Raises:
         UrdfError: two joints that turn together already.
@@ -258,7 +258,7 @@ def relations_of(
         if len(pair) == 2 and pair in related:
             names = " and ".join(repr(model.names[joint + 1]) for joint in sorted(pair))
             problem = f"joints {names} are related already, by {related[pair]}"
-            remedy = "remove one of the two: a ratio stands in one place, teeth bring their forces with it"
+            remedy = "remove one of the two: teeth have both the ratio and its forces"
             raise _refusal(document, element, problem, remedy)
         related[pair] = f"{WORDS[each.mesh.kind]} {each.mesh.name!r}"
     taken = {*drivers, *(other.joint for other in others)}
@@ -299,7 +299,8 @@ def _changed(contact: Contact, change: Callable[[Array], Array], change_push: Ca
 
 
 def _matched(choices: Sequence[Sequence[int]]) -> dict[int, int]:
-    """One of its choices for as many places as possible, no choice twice (a matching of a bipartite graph). Earlier places come first."""
+    """Give as many places as possible one of their choices, no choice twice (a matching of a bipartite graph). Earlier places come
+    first."""
     holders: dict[int, int] = {}  # choice -> place
 
     def find(place: int, seen: set[int]) -> bool:
@@ -324,8 +325,8 @@ def _refusal(document: Document, element: MachineElement, problem: str, remedy: 
 
 
 class _Pin(NamedTuple):
-    """A joint or loop about which two bodies can turn: Pinocchio joints of both, its point on each and its axis, None of a ball, in the
-    world as drawn. The points differ where a loop is drawn open."""
+    """A joint or loop about which two bodies can turn: Pinocchio joints of both, its point on each, and its axis (None for a ball), in the
+    drawn pose in world axes. The points differ where a loop is drawn open."""
 
     name: str
     bodies: tuple[int, int]
@@ -340,8 +341,8 @@ class _Pin(NamedTuple):
 
 
 class _Centre(NamedTuple):
-    """A centre of a gear: a point of its axis and the direction of this, in the world as drawn, the pins there, and the points on it by the
-    bodies that hold it."""
+    """A centre of a gear: a point and the direction of its axis in the drawn pose, the pins there, and the points on the axis by the bodies
+    that hold it."""
 
     point: Array
     axis: Array
@@ -422,7 +423,7 @@ class _Drawing:
         return _Centre(point, axis, tuple(dict.fromkeys(names)), holders)
 
     def turn(self, carrier: int, body: int, axis: Array, what: str) -> dict[int, float]:
-        """Coefficients of joints whose sum is the angle of a body against its carrier, about an axis."""
+        """Coefficients of joints whose sum is the angle of a body relative to its carrier, about an axis."""
         result = {}
         for joint, sign in joints_between(self.parents, carrier - 1, body - 1).items():
             if self.axes[joint].turns:
@@ -434,12 +435,14 @@ class _Drawing:
         return result
 
     def way(self, one: int, other: int, axis: Array) -> dict[int, float]:
-        """Coefficients of joints whose sum is the travel of a body against another one, along an axis to which all guides are parallel."""
+        """Coefficients of joints whose sum is the travel of a body relative to another one, along an axis to which all guides are
+        parallel."""
         between = joints_between(self.parents, one - 1, other - 1).items()
         return {j: sign * float(np.sign(self.directions[j] @ axis)) for j, sign in between if not self.axes[j].turns}
 
     def guide(self, carrier: int, body: int) -> Array | None:
-        """Axis of the guide of a body that moves against a carrier along a line, on it or both on others; None if it does not."""
+        """Axis of the guide of a body that moves along a line relative to a carrier, directly or through other bodies; None if it does
+        not."""
         between = list(joints_between(self.parents, carrier - 1, body - 1))
         first = next((joint for joint in between if body in (joint + 1, self.parents[joint] + 1)), None)
         if first is None or any(self.axes[j].turns or _across(self.directions[j], self.directions[first]) > ALIGNED for j in between):
@@ -458,7 +461,7 @@ def _across(axis: Array, other: Array) -> float:
 
 
 def _sum(*parts: tuple[float, Mapping[int, float]]) -> dict[int, float]:
-    """The sum of rows of coefficients, each times its factor; coefficients that are zero are left out."""
+    """The sum of rows of coefficients, each multiplied by its factor; zero coefficients are left out."""
     total: dict[int, float] = {}
     for by, row in parts:
         for joint, coefficient in row.items():
@@ -636,7 +639,7 @@ def _shared(one: Placed, other: Placed) -> list[tuple[int, int]]:
 
 
 def _on_one_planet(one: Placed, other: Placed) -> bool:
-    """Whether two pairs of gears share a planet: the two other gears are on one axis of the carrier."""
+    """Whether two pairs of gears share a planet: their other gears are on one axis of the carrier."""
     apart = [float(np.linalg.norm(one.mesh.on_carrier[1 - i] - other.mesh.on_carrier[1 - j])) for i, j in _shared(one, other)]
     return len(apart) == 1 and apart[0] < 1e-3 * sum(one.mesh.radii)
 
@@ -726,7 +729,7 @@ def _screw(element: Screw, drawing: _Drawing) -> Placed:
     if len(turning) != 1 or len(sliding) != 1:
         problem = f"between screw and nut are {len(turning)} joints that turn and {len(sliding)} that slide"
         raise _MeshError(
-            problem, "let one of the two turn in a <joint> and the other one, or its carrier, slide in one along the same axis"
+            problem, "let one of the two turn in a <joint>, and let the other one, or its carrier, slide in a <joint> along the same axis"
         )
     joint = turning[0]
     axis, way = drawing.directions[joint], drawing.directions[sliding[0]]
@@ -798,7 +801,7 @@ def _worm(element: Worm, drawing: _Drawing) -> Placed:
     by_wheel = z2 / r2  # force along the worm's axis by the multiplier of the row
 
     def across(friction: float) -> tuple[float, float]:
-        """Forces around the worm and apart by that along its axis; friction is negative where the wheel drives."""
+        """Forces around the worm and apart / force along its axis; friction is negative where the wheel drives."""
         d = math.cos(normal) * math.cos(lead) - friction * math.sin(lead)
         if d <= 0.0:
             raise _MeshError("its thread is so steep that friction locks it where the worm drives", "correct starts, quotient or friction")

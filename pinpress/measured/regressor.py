@@ -211,7 +211,7 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     press.refuse_sliding_driver("records need a press with a crank")
     press.refuse_joint_springs("identification does not know them; take them out of the file")
     if press.loses_power:
-        press.refuse_contacts("records know no losses of theirs; leave efficiency and friction out of their elements")
+        press.refuse_contacts("records do not include their losses; leave efficiency and friction out of these elements")
     engine, parameters, bases = press.engine(), list[Parameter](), []
     planar = engine if isinstance(engine, PlanarEngine) else None
     data = press.model.createData()

@@ -248,7 +248,7 @@ def _degrees(angle: float) -> str:
 
 
 def pins(result: PinRatings, page: object = None) -> tuple[Section, ...]:
-    """Plain and rolling bearings of a press with what a motion makes of them."""
+    """Plain and rolling bearings of a press in a motion."""
     first = result._press.driver_coordinates[0]
     plain = [each for each in result.uses.values() if each.rubbing_way is not None]
     rolling = [each for each in result.uses.values() if each.rubbing_way is None]

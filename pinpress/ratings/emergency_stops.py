@@ -1,8 +1,8 @@
 """Emergency stop: how far a press runs on after the signal, and the safety distance that its stopping time demands.
 
-At the signal the clutch opens. The brake closes after a delay, and its torque rises linearly to the full one. Every stop is a run of
-`simulate`. A stop is longest where the weight helps it least, so the worst signal is searched, not read from a grid; where the brake does
-not hold the press, the time to standstill has a pole, and no time is given.
+At the signal the clutch opens. The brake closes after a delay, and its torque rises linearly to the full torque. Every stop is a run of
+`simulate`. The longest stop begins where the weight helps least, so the worst signal is searched, not read from a grid. Where the brake
+does not hold the press, the time to standstill grows without bound, and no time is given.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class Stop(Record, units={"signal": "rad", "time": "s", "overrun": "rad", "trave
     Attributes:
         signal: crank angle at the signal [rad].
         time: from the signal to standstill [s].
-        overrun: angle from the signal to standstill, positive in the sense in which the crank runs; negative if it turns back before the
+        overrun: angle from the signal to standstill, positive in the direction of running; negative if the crank turns back before the
             brake closes [rad].
-        travel: way of the slide meanwhile, down and up [m].
+        travel: way of the slide during the stop, down and up added [m].
     """
 
     signal: float
@@ -74,11 +74,11 @@ class Braking(Tabular):
         margin: torque / largest torque by which weights and loads turn the standing crank [-]; infinite if nothing turns it.
         slips: crank angles between which the brake does not hold the press [rad], and which way the press then turns. Empty if it holds.
         time: (n,) from each signal to standstill [s].
-        overrun: (n,) angle that the crank turns meanwhile [rad].
-        travel: (n,) way of the slide meanwhile [m].
+        overrun: (n,) angle that the crank turns during the stop [rad].
+        travel: (n,) way of the slide during the stop [m].
         worst: longest stop by time after a signal of the closing stroke; None if the brake does not hold.
-        worst_elsewhere: longest stop of all, if its signal is outside of the closing stroke; else None.
-        top_stop: stop that ends at top dead centre; its signal is that of the top-stop cam. None if there is no such stop.
+        worst_elsewhere: longest stop of all, if its signal is not in the closing stroke; else None.
+        top_stop: stop that ends at top dead centre; the top-stop cam gives its signal. None if there is no such stop.
     """
 
     signal: Array
@@ -116,8 +116,8 @@ class StoppingTimes(OfPress, Tabular):
         monitor: time by which a stop may last longer before the brake monitor reports it [s]; None: no monitor.
         inertia: of what stays on the crank when the clutch is open, reduced to the crank [kg m2].
         loads: springs, balance cylinders and constant forces, as given.
-        signal: (n,) crank angles of the signals, unwrapped from a top dead centre in the sense of running [rad].
-        closing: (n,) whether the slide closes there; the dead centres count.
+        signal: (n,) crank angles of the signals, unwrapped from a top dead centre in the direction of running [rad].
+        closing: (n,) whether the slide closes there; True at the dead centres too.
         cases: name -> stops: "all springs", "half of the springs", and with loads also "without the loads" (a failed balance cylinder).
     """
 
@@ -169,7 +169,7 @@ class StoppingTimes(OfPress, Tabular):
     ) -> SafetyDistance:
         """Evaluate the formula of a standard for the distance of a protective device from the danger zone.
 
-        This evaluates a formula with the computed stopping time. It is no advice: the stopping time that is measured on the press decides.
+        The result is no advice: the formula uses a computed stopping time, but the stopping time measured on the press decides.
 
         Args:
             edition: "ISO 13855:2010", "ISO 13855:2024", "ANSI B11.19" or "OSHA 1910.217".
@@ -179,11 +179,11 @@ class StoppingTimes(OfPress, Tabular):
             supplement: Z of ISO 13855:2024 [m].
 
         Raises:
-            PinpressError: the edition is unknown, or a value is missing, not as described, or no part of the edition's formula.
+            PinpressError: the edition is unknown, or a value is missing, not as described, or not used by the formula of the edition.
 
         Warns:
-            PinpressWarning: half of the springs do not hold the press, or all of them only with the loads, a stop takes more than
-                2 s or is longer outside of the closing stroke, or the resolution is below 5 mm.
+            PinpressWarning: half of the springs do not hold the press, all springs hold it only with the loads, a stop takes more than 2 s,
+                a stop outside of the closing stroke is longer, or the resolution is below 5 mm.
         """
         given = {"resolution": resolution, "reach": reach, "supplement": supplement}
         lengths = {name: length_argument(name, value) for name, value in given.items() if value is not None}
@@ -226,7 +226,7 @@ def stopping(
         device: response time of the protective device, only for the distance [s].
         monitor: time by which a stop may last longer before the brake monitor reports it, only for the distance [s]; None: no monitor.
         inertia: of brake disc, driven plate of the clutch, and all else that stays on the crank and is not in the press's file [kg m2].
-        loads: springs, balance cylinders and constant forces; a further case has none of them.
+        loads: springs, balance cylinders and constant forces; a further case leaves all of them out.
 
     Raises:
         PinpressError: the press has no crank or no slide, an argument is not as described, or the brake does not hold the press at every
@@ -290,7 +290,7 @@ class BrakedPress(NamedTuple):
         return inverse_dynamics(self.press, still, self.loads, bearings=()).driving_torque
 
     def longest(self, largest: float) -> float:
-        """A time after which it stands for sure [s], if its brake holds more than the ``largest`` holding torque [N m].
+        """An upper bound of the time to standstill [s], if the brake holds more than the ``largest`` holding torque [N m].
 
         With J(phi) and u = w sqrt(J) the equation of motion is u' = -(G + T)/sqrt(J), so that u falls at least at (T - G_max)/sqrt(J_max).
         """

@@ -1,7 +1,7 @@
 """Pins and rolling bearings: pressure, rubbing way, wear, equivalent load and life, from the forces and the true turn between two links.
 
-Every sum over the motion is an integral between the edges of loads and the reversals of each bearing, where force or speed jump: in equal
-states a blow of a few degrees is counted wrong.
+Every sum over the motion is an integral between the edges of loads and the reversals of each bearing, where force or speed jump. A sum over
+equal states would be wrong for a blow of a few degrees.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class PlainBearing(Checked):
         diameter: of the pin [m].
         width: of the bearing, of all its parts together [m].
         pressure: permissible projected pressure [Pa]; None: no limit.
-        wear_rate: worn volume by force and rubbing way, k of Archard's law [1/Pa]: 1e-15 is 1e-6 mm3/(N m). None: no wear is computed.
+        wear_rate: worn volume / (force x rubbing way), k of Archard's law [1/Pa]: 1e-15 is 1e-6 mm3/(N m). None: no wear is computed.
     """
 
     diameter: float = field(metadata=parameter("m", "positive"))
@@ -78,23 +78,24 @@ UNITS |= {"pressure_over_way": "Pa", "pv": "W/m2", "largest_pv": "W/m2", "wear":
 
 @dataclass(frozen=True, repr=False)
 class PinUse(Record, units=UNITS):
-    """How a motion uses a bearing. A stroke is that of the slide; without a slide, and of motions that are no period, it is the motion.
+    """How a motion uses a bearing. A stroke is a stroke of the slide; without a slide, and in motions that are not a period, it is the
+    whole motion.
 
     Attributes:
         bearing: its name.
         largest_force: largest force across the pin's axis [N].
         at: angle or position of the first driver there [rad or m].
-        way: angle by which its links turn against each other in a stroke, to and fro added up [rad].
-        swing: from one end of the swing to the other [rad]; None if it turns through.
-        rubbing_way: way x half the diameter [m]; None, as the next ones, of a rolling bearing.
+        way: angle by which the links turn relative to each other in a stroke, forwards and backwards added up [rad].
+        swing: from one end of the swing to the other [rad]; None if the bearing turns fully.
+        rubbing_way: way x half the diameter [m]; this and the next ones are None for a rolling bearing.
         largest_pressure: largest force / (diameter x width) [Pa].
         pressure: mean over time [Pa].
         pressure_over_way: mean over the way [Pa].
         pv: mean over time of pressure x rubbing speed [W/m2]; 1e6 W/m2 are 1 MPa m/s.
         largest_pv: largest pressure x rubbing speed [W/m2].
         wear: mean depth worn off the projected surface in a stroke [m]; None without a wear rate.
-        equivalent_load: P of one bearing, the mean of its force over the way with the exponent of life [N]; None, as the next ones, of a
-            plain bearing.
+        equivalent_load: P of one bearing, the mean of its force over the way with the exponent of life [N]; this and the next ones are None
+            for a plain bearing.
         strokes: L10, strokes that 90 % of such bearings survive [-]; infinite without force or way.
         hours: the same in hours of this motion [h].
         static_safety: C0 / largest force on one bearing [-]; None without a static rating.
@@ -153,8 +154,8 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
     """Rate pins and rolling bearings: pressure, p v, rubbing way, wear, equivalent load, life and static safety.
 
     The life is that of ISO 281 without factors for lubricant and reliability, by Palmgren and Miner over the true turn between the two
-    links of each bearing, so that turning and swinging bearings have one formula. It is not valid for swings in which no rolling element
-    reaches the place of its neighbour, about 720 deg / number of elements.
+    links of each bearing, so the formula is the same for turning and swinging bearings. It is not valid for swings in which no rolling
+    element reaches the place of the next one, about 720 deg / number of elements.
 
     Args:
         reactions: reactions of all bearings to a motion with times.
@@ -215,7 +216,7 @@ def _of_rolling(use: PinUse, bearing: RollingBearing, force: Array, rate: Array,
     """The use of a rolling bearing under forces (n,) on each of its bearings, that turns at rates (n,), with weights in time (n,) [s]."""
     exponent, peak = EXPONENTS[bearing.kind], use.largest_force / bearing.count
     if bearing.rating < peak:
-        caution(f"{use.bearing}: its load rating C is {bearing.rating:g} N, below its largest force of {peak:.4g} N: give C in N")
+        caution(f"{use.bearing}: its load rating C is {bearing.rating:g} N, below its largest force of {peak:.4g} N: check that C is in N")
     if use.swing is not None and use.swing < FRETTING:
         swing = math.degrees(use.swing)
         caution(f"{use.bearing} swings by {swing:.3g} deg: below about 5 deg a rolling bearing frets, and its life by ISO 281 is not valid")
@@ -258,7 +259,7 @@ def _across(reactions: Reactions, name: str, turn: RelativeTurn) -> Array:
 
 
 def _strokes(press: Linkage, motion: Motion) -> float:
-    """Strokes of a motion; 1 of a motion that is no period."""
+    """Strokes of a motion; 1 for a motion that is not a period."""
     if not is_cycle(motion) or len(motion.drivers) > 1 or not motion.driver_coordinates[0].turns:
         return 1.0
     return float((motion.period_turns or 1) / (stroke_turns(press) or 1))

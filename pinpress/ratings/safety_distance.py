@@ -1,7 +1,7 @@
-"""The safety distance of a protective device, as the formulas of ISO 13855, ANSI B11.19 and OSHA 1910.217 have it.
+"""The safety distance of a protective device by the formulas of ISO 13855, ANSI B11.19 and OSHA 1910.217.
 
-Every addend is named, with where it comes from. Nothing here is advice, and no table of a standard is typed in: what a table gives, such as
-D_DS of ISO 13855:2024, is an argument.
+Every addend is named, with its source. Nothing here is advice. No table of a standard is copied: a value of a table, such as D_DS of ISO
+13855:2024, is an argument.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class SafetyDistance(Tabular):
     Attributes:
         edition: the standard.
         distance: S [m].
-        addends: what is added up: name, time [s] or None, length [m], and from where it is.
-        formula: as text, with where its constants come from.
+        addends: the terms of the sum: name, time [s] or None, length [m], and source.
+        formula: as text, with the sources of its constants.
     """
 
     edition: str
@@ -78,7 +78,7 @@ def safety_distance(
             raise PinpressError(f"{edition} needs {name}: give {name}=0.014 [m]")
     if edition.startswith("ANSI") and lengths["resolution"] > FINE:
         coarse = f"resolution is {1e3 * lengths['resolution']:g} mm: Dpf = 3.4 (d - 7 mm) is for curtains of at most {1e3 * FINE:g} mm"
-        raise PinpressError(f"{coarse}, through which no arm reaches; give one of them")
+        raise PinpressError(f"{coarse}, because an arm reaches through coarser ones; give a finer one")
     stopping_time = times["at 90 deg" if edition.startswith("OSHA") else "stopping"]
     rows: list[tuple[str, float, str]] = [
         ("stopping time", stopping_time, "computed, without wear, heat and scatter"),
@@ -116,7 +116,7 @@ def _iso(edition: str, total: float, lengths: Mapping[str, float], two_hand: boo
         source, letters = ISO_2010, "K T + C"
         resolution = lengths.get("resolution", 0.0)
         if resolution > 0.070:
-            raise PinpressError(f"resolution is {1e3 * resolution:g} mm: the formula is for curtains of at most 70 mm; give one of them")
+            raise PinpressError(f"resolution is {1e3 * resolution:g} mm: the formula is for curtains of at most 70 mm; give a finer one")
         far = two_hand or resolution > 0.040
         more = {"C": 0.25 if two_hand else 0.85 if far else max(8 * (resolution - 0.014), 0.0)}
     else:

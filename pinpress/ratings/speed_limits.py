@@ -114,7 +114,9 @@ def limiting_speed(
     if not limits and capacities.slide_acceleration is None and capacities.shaking_force is None:
         return None
     if limits and press.uneven:
-        press.refuse_contacts("bearing forces are not linear in the squared speed then; ratings.rate(..., at_speed=True) checks one speed")
+        press.refuse_contacts(
+            "with them bearing forces are not linear in the squared speed; ratings.rate(..., at_speed=True) checks one speed"
+        )
     gravity = float(np.linalg.norm(press.model.gravity.linear))
     fast = way * (100 * math.sqrt(gravity / press.size) if gravity else 1.0)  # inertia forces are much larger than weights
     turning = _TurningPress(press, without_masses(press), capacities, tuple(limits), fast, tuple(loads), engine)

@@ -48,12 +48,12 @@ class CamPoints(OfPress, Tabular):
         closed: whether the motion repeats itself.
         master: (n,) places of the master axis [deg].
         slave: (n,) heights of the slide above bottom dead centre [mm], or unwrapped positions of the driver [deg, or mm where it slides].
-        velocity: (n,) of the slave by degree of the master [mm/deg or deg/deg].
-        acceleration: (n,) of the slave by squared degree of the master [mm/deg2 or deg/deg2]; at a corner the mean of both sides.
+        velocity: (n,) of the slave per degree of the master [mm/deg or deg/deg].
+        acceleration: (n,) of the slave per squared degree of the master [mm/deg2 or deg/deg2]; at a corner the mean of both sides.
         error: largest error between the points [mm or deg].
         error_at: place of the master axis with this error [deg].
-        corners: number of corners of the motion's law, which are points.
-        motion: the motion in words.
+        corners: number of corners of the motion's law, each of which is a point.
+        motion: the motion as text.
     """
 
     _press: Linkage
@@ -82,7 +82,7 @@ class CamPoints(OfPress, Tabular):
 
     @property
     def advance(self) -> float:
-        """What the slave gains in a turn of the master [mm or deg]: 0 where it is back."""
+        """Advance of the slave in a turn of the master [mm or deg]; 0 if the slave comes back."""
         return float(self.slave[-1] - self.slave[0])
 
     @property
@@ -125,7 +125,7 @@ class CamPoints(OfPress, Tabular):
     def write(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
         """Write the file for the controller, with decimal points and CRLF; return what was written.
 
-        A layout that has no comments gets its `head` in a second file, whose name ends with ".head.txt".
+        For a layout without comments the `head` is in a second file, whose name ends with ".head.txt".
 
         Raises:
             PinpressError: a file cannot be written.
@@ -199,25 +199,25 @@ def cam_table(
     """A motion as a cam table for a controller: points of a slave axis over a master axis, which turns once in the period.
 
     The master is at 0 in the first state. Between states the motion is the quintic through positions, speeds and accelerations. The table
-    has the fewest equal steps that keep the tolerance; a point stands at each corner, where two states are at one instant and the
-    acceleration jumps. The angle goes on beyond 360 deg and, of a crank that turns backwards, below 0: the last point is the first one and
-    a whole number of turns.
+    has the fewest equal steps that keep the tolerance; each corner, where two states are at one instant and the acceleration jumps, is a
+    point. The angle goes on beyond 360 deg, and below 0 if the crank turns backwards: the last point is the first one plus a whole number
+    of turns.
 
     Args:
         press: the press, with one driver.
         motion: a period of `cycle`, or any motion in time: of a servo drive from its start to its end, or a run.
-        of: "height" of the slide above bottom dead centre, or "angle" of the crank; of a driver that slides its position.
+        of: "height" of the slide above bottom dead centre, or "angle" of the crank; for a driver that slides its position.
         layout: "xyva": master, slave, velocity and acceleration, as for fifth-degree polynomials between points (SMC_CAMXYVA of CODESYS,
             MotionFunctionPoint of TwinCAT); the others are master and slave: "pairs", one a line (CODESYS, TwinCAT), "sew" (MOVI-C),
             "lenze" (Cam Loader) with lines between the points, "kas" (Kollmorgen) with a cubic spline through them.
         tolerance: largest error between the points [m], of an angle [rad].
-        period: time after which the motion begins again, where its last state is one step before that [s]. Left out: `cycle` ends with
-            its period, other motions with their last state.
+        period: time after which the motion begins again, for a motion whose last state is one step before that time [s]. Left out: `cycle`
+            ends with its period, other motions with their last state.
 
     Raises:
         PinpressError: an unknown layout; the press has several drivers, or no slide to have a height; the motion has no times, states that
             are not valid, or too few to resolve it to the tolerance; the table would have more than 5000 steps; the largest value of a
-            "kas" table, to which this controller scales it, is not positive.
+            "kas" table is not positive, although the controller scales the table to it.
     """
     states = motion.motion if isinstance(motion, ServoMotion) else motion
     expect("motion", states, Motion, "cycle, servo_cycle or servo.evaluate")
@@ -241,7 +241,7 @@ def cam_table(
     points, error, error_at = _fewest(curve, closed, LAYOUTS[layout], within, unit)
     if layout == "kas" and not points.slave.max() > 0:
         raise PinpressError(
-            f"the largest {of} is {points.slave.max():g} {unit}, to which a kas table is scaled: turn the crank forwards, or give another"
+            f"the largest {of} is {points.slave.max():g} {unit}, but a kas table is divided by it: turn the crank forwards, or give another"
             " layout"
         )
     corners, words = len(curve.corners), motion_in_words(states)
@@ -250,7 +250,7 @@ def cam_table(
 
 
 def _over_master(press: Linkage, motion: Motion, of: str, scale: float, period: float | None) -> tuple[StateCurve, float, bool]:
-    """The slave over the master axis [deg], the period [s], and whether the slave is back after it, whole turns later."""
+    """The slave over the master axis [deg], the period [s], and whether the slave is back after the period, except for whole turns."""
     if of == "height":
         bottom = dead_centres(press).bottom_position
         columns = [motion.slide_position - bottom, motion.slide_velocity, motion.slide_acceleration]

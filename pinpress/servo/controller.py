@@ -50,7 +50,7 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
     """A motion as a table for a controller.
 
     A quintic connects two states of the motion. It has the angles, speeds and accelerations of both states; for heights those of the slide.
-    A table over a master axis is `cam_table`.
+    For a table over a master axis see `cam_table`.
 
     Args:
         motion: the motion.

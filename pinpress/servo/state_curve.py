@@ -20,15 +20,15 @@ SAME = 1e-8  # share of the whole motion: states that are closer count as one in
 
 @dataclass(frozen=True, eq=False)
 class StateCurve:
-    """A quantity over time, or over what grows with it.
+    """A quantity over time, or over a place that rises with time.
 
     Attributes:
         starts: (m,) rising starts of the steps.
-        ends: (m,) their ends; nothing moves between the end of one and the start of the next, which are one instant.
+        ends: (m,) ends of the steps; the end of a step and the start of the next are one instant.
         coefficients: (6, m) for rising powers of the distance from a step's start.
         corners: (k,) places where two states are at one instant. Of motions of more than 100 pieces, such as a best motion with its
             nodes, only those where the second derivative jumps by more than a hundredth of its range.
-        missed: (m,) by how much the end-corrected trapezoidal rule misses the next state: states that resolve the motion miss little.
+        missed: (m,) by how much the end-corrected trapezoidal rule misses the next state; small if the states resolve the motion.
     """
 
     starts: Array
@@ -38,7 +38,7 @@ class StateCurve:
     missed: Array
 
     def at(self, places: Array, before: bool = False) -> tuple[Array, Array, Array]:
-        """Value, first and second derivative (m,) at places (m,); at a corner those after it, or ``before`` it."""
+        """Value, first and second derivative (m,) at places (m,); at a corner the values after the corner, or ``before`` it."""
         step = np.searchsorted(self.starts, places, side="left" if before else "right") - 1
         step = np.clip(step, 0, len(self.starts) - 1)
         since = np.minimum(places, self.ends[step]) - self.starts[step]

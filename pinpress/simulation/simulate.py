@@ -315,7 +315,7 @@ def _driven(
         if friction_law(friction, press) is not None:
             press.refuse_several_drivers("their runs know no friction in bearings; leave it out, inverse_dynamics has it in a given motion")
             raise PinpressError(
-                "method='constraint' knows no friction in bearings: it needs the forces of the bearings, which the reduced equation of one"
+                "method='constraint' has no friction in bearings, because that needs the bearing forces, which the reduced equation of one"
                 " driver has; leave friction out, or let one driver turn with method='auto'"
             )
     if len(press.drivers) > 1 and method != "constraint":

@@ -142,7 +142,7 @@ def operating_points(
     press.refuse_several_drivers("operating points need a press with one driver; sweep computes any function, also with servo_cycle")
     press.refuse_sliding_driver("operating points need a crank at constant speeds; sweep computes any points")
     if press.loses_power or (press.uneven and (bearings is None or len(bearings))):
-        press.refuse_contacts("forces are not affine then; use sweep, which computes every point, or without losses bearings=()")
+        press.refuse_contacts("with them forces are not affine; use sweep, which computes every point, or, without losses, bearings=()")
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):
         raise PinpressError("speeds: give only positive or only negative speeds, not 0, because loads depend on the direction of travel")

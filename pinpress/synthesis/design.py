@@ -289,7 +289,7 @@ class Design:
 
     @cached_property
     def _wrenches(self) -> Wrenches:
-        self.start.press.refuse_contacts("a synthesis knows no forces with them; give functions of the motion alone")
+        self.start.press.refuse_contacts("a synthesis does not compute forces with them; give only functions of the motion")
         return self._wrenches_of(self.press)
 
     def _wrenches_of(self, press: Linkage) -> Wrenches:

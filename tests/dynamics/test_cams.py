@@ -13,7 +13,7 @@ import pinpress as pp
 from pinpress.loads import PointForce, PointMoment
 
 SPEED = 12.0
-LEAVES = "ejector: its roller leaves the cam 'eject' at crank angle .* deg, where the cam would have to pull it: press it on by a spring"
+LEAVES = "ejector: its roller leaves the cam 'eject' at crank angle .* deg, where the cam would have to pull it: press the roller on"
 LOAD = PointForce("ejector", (0.0, 0.0, -3000.0))
 
 

@@ -98,5 +98,5 @@ def test_sizes_are_checked() -> None:
     ):
         with pytest.raises(pp.PinpressError, match=message):
             call()
-    with pytest.warns(pp.PinpressWarning, match=r"W: its load rating C is 800 N, below its largest force of 9.957e\+04 N: give C in N"):
+    with pytest.warns(pp.PinpressWarning, match=r"W: its load rating C is 800 N, below its largest force of 9.957e\+04 N: check that C"):
         pins(reactions(), {"W": RollingBearing(800.0)})

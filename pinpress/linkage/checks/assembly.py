@@ -397,10 +397,7 @@ def _gears_without_carrier(press: Linkage) -> Iterator[Finding]:
         if ends[0].isdisjoint(ends[1]):
             leader = press.joints[pair.leader]
             problem = f"its coordinate is {pair.multiplier:.6g} times that of joint {leader!r}, though no link carries the axes of both"
-            remedy = (
-                "this is no pair of gears: teeth mesh by the angles against a link that carries both, for which write <gear_mesh>, in a"
-                " table meshes:"
-            )
+            remedy = "teeth turn relative to a link that carries both gears: for teeth write <gear_mesh>, in a table meshes:"
             yield Finding("note", press.document.called("joint", pair.name), pair.line, problem, remedy)
 
 

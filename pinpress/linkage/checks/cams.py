@@ -62,7 +62,7 @@ def _joint_problems(cam: Cam, turning: Joint, following: Joint, description: Des
 def _law_problems(element: Element, cam: Cam, guided: bool) -> Iterator[tuple[str, str]]:
     law = points(cam, 1.0 if guided else math.pi / 180)
     if element.all("point") and element.all("row"):
-        yield "has points of a law and rows of a table", "write one of both"
+        yield "has points of a law and rows of a table", "write only one of the two"
     elif problem_and_remedy := law_problem(law, cam.tabulated, "m" if guided else "rad"):
         yield problem_and_remedy
     elif not cam.center and cam.drawn_at is None:

@@ -50,12 +50,12 @@ def with_machine_elements(mechanism: Mechanism, press: Linkage) -> Mechanism:
 
 
 def doubt_machine_elements(press: Linkage, program: str) -> None:
-    """Warn of machine elements that a program knows as ratios between joints alone; raises PinpressError for cams, which are none."""
+    """Warn of machine elements that become mere ratios of joints in a program; raises PinpressError for cams."""
     if curves := [relation.name for relation in press.relations if relation.curve is not None]:
         raise PinpressError(f"{press.name}: {program} has no cams, such as {curves[0]!r}: remove it before writing")
     if names := [contact.name for contact in press.contacts if contact.name]:
-        problem = f"{program} has no teeth and threads: {', '.join(names)} became ratios of joints, which move and drive the press alike"
-        caution(f"{press.name}: {problem}; their forces on bearings and their losses are in pinpress alone")
+        problem = f"{program} has no teeth and threads: {', '.join(names)} became ratios of joints, with the same motion and driving torque"
+        caution(f"{press.name}: {problem}; only pinpress has their losses and their forces on bearings")
 
 
 def _origin(element: Element) -> Origin:

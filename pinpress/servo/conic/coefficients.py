@@ -179,7 +179,7 @@ def coefficients(
     if any(isinstance(load, TimeForce) for load in loads):
         raise PinpressError("loads has a TimeForce, but the times of the motion are not yet known: give a load by height")
     if press.loses_power or (press.uneven and bearings):
-        press.refuse_contacts("the optimum takes no losses of theirs and no limits of bearing forces then; leave these out")
+        press.refuse_contacts("with them the optimum takes no losses and no limits of bearing forces; leave these out")
     inner = _inner_places(grid, like)
     angle = np.empty(3 * len(grid.step) + 1)
     angle[::3] = grid.angle

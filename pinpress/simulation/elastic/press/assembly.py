@@ -58,7 +58,7 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     press.refuse_several_drivers("elastic motion is that of a press with one; see slide_deflection of their motion")
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
     press.refuse_joint_springs("elastic motion has SpringDamper loads and preloaded joints instead")
-    press.refuse_contacts("elastic motion does not let them push on yielding bearings; give their ratios alone, gears or <relation>")
+    press.refuse_contacts("elastic motion does not compute their forces on yielding bearings; write only their ratios, gears or <relation>")
     _ = press.slide_guide
     build = press_in_plane if "plane" in press.engines else press_in_space
     sprung = build(press, elastic, reference_motion(press))

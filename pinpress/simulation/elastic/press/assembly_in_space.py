@@ -74,7 +74,7 @@ def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
             raise PinpressError(f"{press.name} moves in space, and elastic motion in space knows no {name}: {instead}")
     if press.relations:
         raise PinpressError(
-            f"{press.name} moves in space and has the gear pair {shown(press.relations[0].name)}, which elastic motion has in a plane alone"
+            f"{press.name} moves in space and has the gear pair {shown(press.relations[0].name)}, which elastic motion has only in a plane"
         )
     if press.model.parents[press.driver_indices[0] + 1]:
         raise PinpressError(
