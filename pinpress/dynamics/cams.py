@@ -23,9 +23,9 @@ from .peaks import peak_states
 from .reactions import Reactions
 
 MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]
-AT_REST = 1e-4  # share of the speed that stands for rest: inertia forces are zero there, and friction still has its sign
-NEGLIGIBLE = 1e-12  # share by which the effort of a cam falls with the speed through rounding
-CONVERGED, MOST_STEPS = 1e-9, 60  # of the speed of lift-off: relative change that ends the search, and most speeds that are tried
+AT_REST = 1e-4  # share of the speed that is used as rest: inertia forces are nearly zero, and friction still has its sign
+NEGLIGIBLE = 1e-12  # share by which rounding errors let the effort of a cam fall with the speed
+CONVERGED, MOST_STEPS = 1e-9, 60  # for the speed of lift-off: relative change at which the search ends, and largest number of speeds
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,8 +33,8 @@ class CamReactions(Tabular, OfPress):
     """A cam and the roller of its follower over a motion of n states, see `cam`.
 
     Angles are those of the cam's law. Extremes of forces and pressures are those of the whole motion: at the corners of the law and the
-    steps of loads they are the limits on both sides, and smooth peaks are found between the states. Behind each stands the angle at which
-    it is reached, 0 to 2 pi.
+    steps of loads they are the limits on both sides, and smooth peaks are found between the states. Each extreme comes with its angle, 0 to
+    2 pi.
 
     Attributes:
         motion: the motion.
@@ -44,20 +44,21 @@ class CamReactions(Tabular, OfPress):
         lift: (n,) of the follower [m; of an arm rad].
         pressure_angle: (n,) from the way of the roller to the force of the cam, positive against the cam's sense of rotation [rad].
         pitch_radius: (n,) radius of curvature of the path of the roller's centre on the cam [m]; negative where the cam is hollow.
-        surface_radius: (n,) that of the surface that the roller touches without a groove [m].
+        surface_radius: (n,) radius of curvature of the surface that the roller touches without a groove [m].
         force: (n,) contact force [N]; positive: the cam pushes the roller away.
-        effort: (n,) force along the guide, or moment about the pivot, that it exerts on the follower [N; of an arm N m].
+        effort: (n,) force along the guide, or moment about the pivot, that the cam exerts on the follower [N; of an arm N m].
         cam_torque: (n,) torque that turns the cam against the contact force [N m].
-        pressure: (n,) Hertzian pressure of the line contact, cam and roller of steel [Pa]; 0 where a roller without a groove is not pushed.
-        largest_pressure_angle: largest size of the pressure angle over a turn of the cam [rad], and where; without a groove that of the
-            rises, on which the cam drives its follower.
+        pressure: (n,) Hertzian pressure of the line contact, cam and roller of steel [Pa]; 0 where the cam does not push a roller without a
+            groove.
+        largest_pressure_angle: largest size of the pressure angle over a turn of the cam [rad], and where; without a groove only over the
+            rises, where the cam drives its follower.
         least_radius: least radius of the convex surface over a turn of the cam [m], and where.
         largest_force: the force of the largest size, with its sign [N], and where.
         least_force: [N], and where. Below 0 the roller leaves a cam without a groove, and the forces are not those of the press.
         largest_pressure: [Pa], and where.
-        lift_off_speed: speed of the driver at which the least force is 0 under the same loads [rad/s]; 0 where the roller is not pushed at
-            rest. None in a groove, if no speed lifts the roller off, if the motion has no constant speed of one driver, and if the search
-            does not converge because loads change with the speed.
+        lift_off_speed: speed of the driver at which the least force is 0 under the same loads [rad/s]; 0 if the cam does not push the
+            roller at rest. None in a groove, if no speed lifts the roller off, if the motion has no constant speed of one driver, and if
+            the search does not converge because loads change with the speed.
     """
 
     motion: Motion
@@ -191,15 +192,15 @@ def _extreme(states: _States, values: Array, choose: Callable[[Array], np.intp])
 def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
     """The speed of the driver at which the least effort on the follower is 0.
 
-    Inertia forces grow with the square of the speed, so the efforts at two speeds give those at all others. If loads change with the speed,
-    this is repeated at the speed that it has given.
+    Inertia forces grow with the square of the speed, so the efforts at two speeds give the efforts at all other speeds. If loads change
+    with the speed, this step is repeated at the speed found.
     """
     motion, press = reactions.motion, reactions._press
     if len(press.drivers) > 1 or not is_constant(motion.crank_speed) or not motion.crank_speed.any():
         return None
 
     def at_rest_and_need(each: Reactions, share: float) -> tuple[Array, Array]:
-        """Efforts at rest, and the inverse square of the share of the speed that takes each of them away."""
+        """Efforts at rest, and the inverse square of the share of the speed at which each effort becomes zero."""
         trials = (in_other_states(each, _at_other_speed(press, each.motion, part)) for part in (AT_REST, share))
         rest, fast = (_effort(contact, trial) for trial in trials)
         return rest, (rest - fast) / (share**2 * np.where(rest > 0.0, rest, 1.0))
@@ -223,6 +224,6 @@ def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
 
 
 def _at_other_speed(press: Linkage, motion: Motion, share: float) -> Motion:
-    """The same positions with speeds multiplied by a share, at the same times."""
+    """The same positions at the same times, with the speeds multiplied by a factor ``share``."""
     speed, acceleration = share * motion.crank_speed, share**2 * motion.crank_acceleration
     return moved(press, press.branch_through_change_points, motion.crank_angle, speed, acceleration, motion._time, "auto")

@@ -92,7 +92,7 @@ def integration_states(reactions: Reactions, reversing: Callable[[Motion], Itera
     """States and weights (n,) [s] that integrate quantities over the time of a motion: by Gauss's rule between its states, the jumps of
     loads and friction, and the zeros of functions. The zeros are states too, of weight 0.
 
-    A motion that is known in its states alone is integrated by trapezoids.
+    A motion that is known only in its states is integrated by trapezoids.
 
     Args:
         reactions: to the motion.
@@ -126,7 +126,7 @@ def states_at(reactions: Reactions, angles: Array) -> Reactions:
     """The reactions in the states in which the first driver is at angles (m,) [rad or m], of a period in any of its turns.
 
     Raises:
-        PinpressError: the driver does not reach an angle, or the motion is known in its given states alone.
+        PinpressError: the driver does not reach an angle, or the motion is known only in its given states.
     """
     path, coordinate = _path(reactions), reactions.motion.driver_coordinates[0]
     if path is None:

@@ -1,8 +1,8 @@
 """Torques and forces over a motion, and their signs.
 
 `Reactions` says the signs. A spherical loop transmits only the moment of friction. The driving torque is part of the moment of the driver's
-bearing, as the torques of gear pairs and friction are part of the moments of theirs. Where teeth or threads push, as of machine elements,
-and of a shaft that moves a slide, what acts there is no part of any bearing: it pushes on them, see `engines.machine_elements.forces`.
+bearing, and the torques of gear pairs and friction are part of the moments of bearings. The forces of teeth and threads (of machine
+elements, and of a shaft that moves a slide) belong to no bearing: they load the bearings, see `engines.machine_elements.forces`.
 """
 
 from __future__ import annotations
@@ -58,8 +58,8 @@ class Reactions(Tabular):
             first read. Forces between the teeth of two shafts are left out of the shafts' bearings; those of a machine element (such as
             ``<gear_mesh>``), and of a shaft and a slide, are in them. Of a machine element that relates two joints it stands under its
             name, on the joint that the element determines and on the other one.
-        bearing_force: (n, 3) by the names of the joints, loops and machine elements that were asked for [N]; of a machine element that of
-            its first on its second link at the point where they touch, of one of several planets.
+        bearing_force: (n, 3) by the names of the joints, loops and machine elements that were asked for [N]; of a machine element the force
+            of its first on its second link at the point where they touch; with planets the force of one planet.
         bearing_moment: (n, 3) by the same names [N m]; of a machine element about the point where its links touch.
         left_out: names of the joints, loops and machine elements that were not asked for.
         friction_power: (n,) power lost, by the names of all joints, loops and machine elements [W].
@@ -266,7 +266,7 @@ class Reactions(Tabular):
 
 
 def carrying(press: Linkage, as_drawn: bool = False) -> tuple[str, ...]:
-    """Names of all that transmits forces: bearings, in their own order or that of the drawing, then contacts."""
+    """Names of everything that transmits forces: bearings, in their own order or in the order of the drawing, then contacts."""
     return (press.bearings_as_drawn if as_drawn else press.bearings) + tuple(contact.name for contact in press.contacts)
 
 

@@ -1,4 +1,4 @@
-"""Forces between teeth and threads, along the directions that gears have."""
+"""Forces between teeth and threads: tangential, radial and axial."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class ToothForces(Tabular):
         tangential: across the axis of the gear and the line of centres; its sign is that of the effort of the relation [N].
         radial: along the line of centres, positive where it pushes the two apart [N].
         axial: along the axis of the second body's joint if that turns, else of the first one's, positive along it [N].
-        power: lost [W].
+        power: lost power [W].
     """
 
     tangential: Array

@@ -51,7 +51,7 @@ class TimingDiagram(OfPress, Tabular):
 
     @property
     def highest_speed(self) -> float | None:
-        """Crank speed at which the feeder's time is the whole window [rad/s]; None without the feeder's time."""
+        """Crank speed at which the feeder needs the whole window [rad/s]; None without the feeder's time."""
         return None if self.feed_time is None else self.feed.turned / self.feed_time
 
     @property
@@ -76,7 +76,7 @@ def timing(
     loads: Sequence[Load] = (),
     bars: Mapping[str, ArrayLike] = NO_BARS,
 ) -> TimingDiagram:
-    """The timing diagram of a press over a period: feed window, feeder with its reserve, process, and other windows of yours.
+    """The timing diagram of a press over a period: feed window, feeder with its reserve, process, and other windows that you give.
 
     All ends are roots of the slide's path. The feeder begins where the slide rises through the height.
 
@@ -85,9 +85,9 @@ def timing(
         motion: one period at constant speed.
         above: height above bottom dead centre above which the strip can be fed [m].
         feed_time: time that the feeder needs [s].
-        loads: loads, of which the process loads are shown where they act; the die is open above all of them.
+        loads: process loads are shown where they act, and the die is open above all of them; other loads are not shown.
         bars: name -> crank angles at which a window begins and ends, such as those of an ejector, a blank holder, or the muting of a light
-            curtain [rad]. One whose end is the smaller angle goes through the end of the period.
+            curtain [rad]. A window whose end is the smaller angle goes through the end of the period.
 
     Raises:
         PinpressError: as `windows`, the motion is of another press, or a window of ``bars`` is not two different angles.

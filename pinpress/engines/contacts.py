@@ -1,8 +1,8 @@
 """Contacts of machine elements: teeth, threads, rollers on cams, through which two bodies push on each other.
 
-A relation moves the joints of a contact; its multiplier is an effort on the joint that it determines. What really acts is the wrench of one
-body on the other one at their contact. Both do the same work in every motion of the linkage, so that the driving torque is the same, but
-not the forces in the bearings. A contact says how the wrench follows from the multiplier.
+A relation moves the joints of a contact. Its multiplier is an effort on the joint that the relation determines. What really acts is the
+wrench of one body on the other at their contact. Effort and wrench do the same work in every motion of the linkage: the driving torque is
+the same, but the forces in the bearings are not. A contact defines how the wrench follows from the multiplier.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Rubbing(NamedTuple):
         first: Pinocchio joint of the body that rubs, 0 for the frame.
         second: Pinocchio joint of the body on which it rubs, 0 for the frame.
         force: (3,) force on the second body at the contact's point, in the axes of the carrier [1/m where the effort is a torque, else 1].
-        couple: (3,) moment on the second body in addition, likewise.
+        couple: (3,) moment on the second body in addition, in the axes of the carrier [1, or m].
         forward: share of the effort where the contact's first body drives its second one.
         backward: share of the effort where the second body drives the first one.
         push_backward: (3,) `UnitWrench.push` where the second body drives, if it is another one, as in a worm gear; None: the same.
@@ -67,9 +67,9 @@ class Planets(NamedTuple):
     """Equal planets of which one stands for all. Vectors are in the carrier's joint frame.
 
     Attributes:
-        number: how many they are.
-        planet: Pinocchio joint of the one that is drawn, one of the two bodies of the contact.
-        pin: (3,) its centre [m].
+        number: number of planets.
+        planet: Pinocchio joint of the drawn planet, one of the two bodies of the contact.
+        pin: (3,) centre of the drawn planet [m].
         center: (3,) centre of the sun or ring, the other body [m].
         axis: (3,) direction of the axes of all gears.
     """
@@ -96,8 +96,8 @@ class Contact(Frozen):
         rubbing: its friction; empty without losses.
         planets: the equal planets, if this contact of one planet stands for several. Each takes an equal part of the effort. Together they
             load the bearings of sun, ring and carrier only along the axis. The pin of the drawn planet carries the tooth forces of one
-            planet. Mass and inertia are those of the drawn link: give it those of all planets for the right torque; its pin then carries
-            the weight of all.
+            planet. Mass and inertia are those of the drawn link: give it the mass and inertia of all planets for the right torque; its pin
+            then carries the weight of all planets.
     """
 
     name: str
@@ -116,7 +116,7 @@ class Contact(Frozen):
 
     @property
     def count(self) -> int:
-        """How many equal contacts take a part of the effort each."""
+        """Number of equal contacts that share the effort."""
         return 1 if self.planets is None else self.planets.number
 
     def actions(self, unit: UnitWrench) -> list[tuple[int, UnitWrench]]:

@@ -27,7 +27,7 @@ class AngleWindow(Record, units={"crank_angle": "rad", "ends_at": "rad", "turned
         name: what happens in it.
         crank_angle: crank angle at which it begins, within the period [rad].
         ends_at: crank angle at which it ends, within the period; less than the beginning if it goes through the period's end [rad].
-        turned: angle by which the crank turns in it [rad].
+        turned: angle by which the crank turns in the window [rad].
         duration: its time [s].
     """
 
@@ -42,8 +42,8 @@ class AngleWindow(Record, units={"crank_angle": "rad", "ends_at": "rad", "turned
 def windows(motion: SlideMotion, above: float) -> Records[AngleWindow]:
     """Windows in which the slide is above a height, such as that at which a strip can be fed: one a stroke, through top dead centre.
 
-    They are roots of the slide's path, not places of states. Of a slide that repeats its motion within the period they are the windows of
-    its first repetition.
+    The ends are roots of the slide's path, not places of states. If the slide repeats its motion within the period, the windows are those
+    of the first repetition.
 
     Args:
         motion: one period at constant speed.

@@ -56,7 +56,7 @@ def points(cam: Cam, unit: float) -> tuple[CamPoint, ...]:
 
 
 def _drawn(cam: Cam, document: Document, model: pin.Model) -> CamContact:
-    """The contact of a cam as drawn, of no relation yet; raises UrdfError where cam and follower are not in one plane."""
+    """The contact of a cam in the drawn pose, without its relation; raises UrdfError if cam and follower are not in one plane."""
     said, names, directions = document.description, list(model.names), axes(model)
     first, second = (names.index(said.carriers[said.bodies[link]].name) for link in (cam.cam, cam.follower))
     of_cam, of_follower = model.jointPlacements[first], model.jointPlacements[second]
@@ -74,7 +74,9 @@ def _drawn(cam: Cam, document: Document, model: pin.Model) -> CamContact:
         to_pivot = to_pivot - normal * (normal @ to_pivot)
         distance = float(np.linalg.norm(to_pivot))
         if not distance > DRAWN * cam.radius:
-            raise _refusal(cam, document, "the arm of its follower turns about the axis of the cam", "draw the pivot beside the cam")
+            raise _refusal(
+                cam, document, "the arm of its follower turns about the axis of the cam", "draw the pivot away from the axis of the cam"
+            )
         plane = np.array([to_pivot, np.cross(normal, to_pivot)]) / distance
         arm, turning = cam.arm or 0.0, float(np.copysign(1.0, normal @ way))
         if roller is not None:
@@ -119,8 +121,8 @@ def _drawn_roller(cam: Cam, model: pin.Model, joint: int) -> Array | None:
 
 
 def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> None:
-    """Raise UrdfError for a roller that does not reach the radius of the cam, is led too far or too near, is drawn elsewhere than the law
-    has it, or undercuts the cam."""
+    """Raise UrdfError for a roller that does not reach the radius of the cam, comes too near or goes too far, is not drawn where the law
+    puts it, or undercuts the cam."""
     if made.arm and not abs(made.distance - made.arm) < cam.radius < made.distance + made.arm:
         problem = f"its arm of {made.arm:g} m, {made.distance:g} m away from the cam, does not reach the radius {cam.radius:g} m"
         raise _refusal(cam, document, problem, "write a radius between the difference and the sum of these lengths")
@@ -145,7 +147,7 @@ def _check(cam: Cam, document: Document, model: pin.Model, made: CamContact) -> 
     curvature, angle = made.largest(lambda states: np.abs(states.curvature) if made.grooved else states.curvature)
     if curvature * cam.roller_radius >= 1.0:
         path = f"the path of its roller has a radius of {1 / curvature:.4g} m at {math.degrees(angle):.4g} deg"
-        problem = f"the cam is undercut: {path}, not more than that of the roller, {cam.roller_radius:g} m"
+        problem = f"the cam is undercut: {path}, not more than the radius of the roller, {cam.roller_radius:g} m"
         raise _refusal(cam, document, problem, "write a smaller roller, a larger radius, or more angle for the lift")
 
 

@@ -1,8 +1,8 @@
-"""Choice of an induction motor of a catalogue, its gear and its flywheel, by the steady state of the press under each.
+"""Choice of an induction motor of a catalogue, its gear and its flywheel, by the steady state of the press with each of them.
 
 The flywheel is on the motor's shaft, so that motor and flywheel have (motor + flywheel) x ratio² at the crank. The rms torque of the motor,
-its peak torque and the drop of speed all fall as the flywheel grows. So the smallest sufficient flywheel is where the highest use of these
-three is 1.
+its peak torque and the drop of speed all fall as the flywheel grows. So the smallest sufficient flywheel is the one with which the highest
+use of these three is 1.
 """
 
 from __future__ import annotations
@@ -59,11 +59,11 @@ class TriedDrive(
         motor: name of the motor.
         ratio: gear ratio [-].
         flywheel: inertia on the motor's shaft, without that of the motor [kg m2].
-        mean_speed: mean size of the crank's speed [rad/s]; None if the motor stalls or is too weak.
-        highest_speed: largest size of the crank's speed [rad/s]; None as before.
-        lowest_speed: smallest size of the crank's speed [rad/s]; None as before.
+        mean_speed: mean absolute speed of the crank [rad/s]; None if the motor stalls or is too weak.
+        highest_speed: largest absolute speed of the crank [rad/s]; None as before.
+        lowest_speed: smallest absolute speed of the crank [rad/s]; None as before.
         speed_drop: highest less lowest speed / mean speed [-]; None as before.
-        rms_torque: of the motor [N m]; None as before.
+        rms_torque: rms torque of the motor [N m]; None as before.
         thermal: rms torque / rated torque [-]; None as before.
         peak: largest torque / breakdown torque [-]; None as before.
         start_time: from rest to the rated speed, with the clutch open [s].
@@ -120,7 +120,7 @@ class DriveChoice(OfPress, Tabular):
 
 
 class Demand(NamedTuple):
-    """A press, and what its drive has to keep: arguments of `choose_drive`; ``speeds`` are sizes."""
+    """A press and the limits of its drive: arguments of `choose_drive`; ``speeds`` are absolute values."""
 
     press: Linkage
     loads: Sequence[Load]
@@ -152,8 +152,8 @@ def choose_drive(
 
     Each motor with each ratio gets the smallest flywheel with which the steady state keeps three limits: the rms torque of the motor is at
     most its rated torque, its peak torque at most breakdown torque / reserve, and the speed drops by no more than ``speed_drop``. Of all
-    that suffice, the best has the least rated power, and of equal power the smallest flywheel. A motor that falls below its breakdown speed
-    passes its breakdown torque, so it never suffices.
+    that suffice, the best has the least rated power, and of equal power the smallest flywheel. A motor whose speed falls below its
+    breakdown speed reaches its breakdown torque, so it never suffices.
 
     Args:
         press: a press with one crank.
@@ -164,7 +164,7 @@ def choose_drive(
         flywheels: (2,) smallest and largest inertia of the flywheel on the motor's shaft [kg m2].
         speeds: (2,) the band of the crank's mean speed [rad/s]; both negative: backwards.
         speed_drop: highest less lowest speed / mean speed, at most [-].
-        reserve: breakdown torque / largest torque of the motor, at least [-]. By default that which is needed at 10 % less voltage.
+        reserve: breakdown torque / largest torque of the motor, at least [-]. The default is what 10 % less voltage needs.
         start_time: from rest to the rated speed with the clutch open, at most [s]; None: any time.
         efficiency: of the gear [-].
 
@@ -172,8 +172,8 @@ def choose_drive(
         PinpressError: an argument is not as described, no ratio brings a motor into the band of speeds, or the loads take more power than
             every motor has.
     """
-    press.refuse_several_drivers("motor and flywheel are those of one crank")
-    press.refuse_sliding_driver("flywheels are those of a crank")
+    press.refuse_several_drivers("a choice of motor and flywheel is for one crank")
+    press.refuse_sliding_driver("a flywheel turns with a crank")
     catalogue, gear_ratios = _catalogue(motors), _ratios(ratios)
     low, high = _band("speeds", speeds, "rad/s")
     if low * high <= 0.0:
@@ -266,7 +266,7 @@ def _at_crank(drive: Geared, inertia: float) -> Flywheel:
 def _duty(drive: Geared, inertia: float, demand: Demand) -> MotorDuty | None:
     """The duty of a stroke with a flywheel on the motor's shaft [kg m2]; None if the motor stalls.
 
-    The search begins at the synchronous speed: of two steady states on both sides of the breakdown slip it is the upper one.
+    The search begins at the synchronous speed, so that it finds the faster one of two steady states on both sides of the breakdown slip.
     """
     motor = drive.drive
     assert isinstance(motor, InductionMotor)
@@ -286,7 +286,7 @@ def _duty(drive: Geared, inertia: float, demand: Demand) -> MotorDuty | None:
 
 
 def _uses(drive: Geared, duty: MotorDuty, demand: Demand) -> dict[str, float]:
-    """Shares of the three limits that a flywheel relieves, by the remark on a motor that exceeds them."""
+    """Uses of the three limits that a larger flywheel lowers, by the remark on a motor that exceeds each limit."""
     motor = drive.drive
     assert isinstance(motor, InductionMotor)
     assert duty.utilisation is not None
@@ -301,7 +301,7 @@ def _smallest(name: str, drive: Geared, demand: Demand) -> TriedDrive:
     """A motor and gear with the smallest sufficient flywheel of the range, or with the largest."""
     motor, (low, high) = drive.drive, demand.flywheels
     assert isinstance(motor, InductionMotor)
-    if demand.power > float(motor.rated_torque) * motor.synchronous_speed:  # its mean torque alone is above the rated one
+    if demand.power > float(motor.rated_torque) * motor.synchronous_speed:  # its mean torque is above the rated torque already
         return _row(name, drive, high, None, "too weak", demand)
 
     @cache
@@ -324,7 +324,7 @@ def _smallest(name: str, drive: Geared, demand: Demand) -> TriedDrive:
 
 
 def _row(name: str, drive: Geared, inertia: float, duty: MotorDuty | None, no_state: str, demand: Demand) -> TriedDrive:
-    """What comes of a motor, a gear and a flywheel; ``no_state``: the remark without a duty."""
+    """The result of a motor, a gear and a flywheel; ``no_state``: the remark without a duty."""
     motor = drive.drive
     assert isinstance(motor, InductionMotor)
     begin, ratio = start(motor, float(motor.inertia) + inertia), abs(drive.ratio)

@@ -1,4 +1,4 @@
-"""Induction motors of a catalogue, and what it takes to start them.
+"""Induction motors of a catalogue, and their start from rest.
 
 A catalogue is a CSV file with a row for each motor. Heads may name other units. The column of the frequency may be left out.
 
@@ -33,8 +33,7 @@ def read_motors(path: str | os.PathLike[str]) -> dict[str, InductionMotor]:
 
         motor, rated power [kW], rated speed [r/min], breakdown ratio, inertia [kg m2], frequency [Hz]
 
-    The frequency may be left out, it is then 50 Hz. The number of poles follows from the rated speed: the synchronous speed is the next one
-    above it.
+    The frequency may be left out; it is then 50 Hz. The number of poles follows from the rated speed: the synchronous speed is the next one above.
 
     Raises:
         PinpressError: the file cannot be read, does not have these columns, or has no motor; the message names the row.
@@ -73,8 +72,8 @@ class Start(NamedTuple):
     """A start from rest without load.
 
     Attributes:
-        time: up to the rated speed [s].
-        heat: of the rotor up to the synchronous speed [J].
+        time: time to the rated speed [s].
+        heat: heat in the rotor up to the synchronous speed [J].
     """
 
     time: float

@@ -1,6 +1,6 @@
 """Machine elements of a pin table: gears, racks, screws, worms and cams, by which two links push on each other.
 
-Here stands what a table says; whether teeth can mesh is judged with the linkage.
+This module reads the table; the linkage checks whether the teeth can mesh.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class Section(NamedTuple):
         tag: of its elements in a URDF.
         bodies: attributes of the two links that push on each other; also the keys, except of gears.
         required: keys that an element must have, with what to write.
-        lengths: keys whose values are lengths; the attributes have the same names.
-        numbers: keys whose values are numbers or angles in degrees; likewise.
-        words: keys whose values are words; likewise.
+        lengths: keys whose values are lengths; here and below the attributes have the same names.
+        numbers: keys whose values are numbers or angles in degrees.
+        words: keys whose values are words.
         others: further keys.
     """
 
@@ -117,11 +117,12 @@ class MachineElement:
 
     Attributes:
         name: of the element, which names its force as the pin of a bearing does.
-        section: where it stands in the table, a key of `SECTIONS`.
-        links: attribute of its URDF element -> link or frame: the two that push on each other, and their carrier, if the table names it.
+        section: its section of the table, a key of `SECTIONS`.
+        links: attribute of its URDF element -> link or frame: the two links that push on each other, and their carrier, if the table names
+            it.
         values: attribute -> number [m or deg, or without unit] or word.
         centres: attribute -> pin that is the centre of a gear without a bearing of its own, or of the roller of a cam's follower.
-        entry: where it stands in the table.
+        entry: its place in the table.
         points: elements in its URDF element, as tags with attributes: the law of a cam.
     """
 
@@ -140,7 +141,7 @@ class MachineElement:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """The two links that push on each other: the force that is called by its name is that of the first on the second."""
+        """The two links that push on each other: the force with the element's name acts from the first on the second."""
         return tuple(self.links[name] for name in SECTIONS[self.section].bodies)
 
     @property

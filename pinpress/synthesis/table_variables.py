@@ -1,4 +1,4 @@
-"""Numbers of a pin table as variables of a synthesis: pivots and inertias of the press as its table draws it.
+"""Numbers of a pin table as variables of a synthesis: they give pivots and inertias of the press.
 
 The file is read once. Of a design, the pins are placed again in a millisecond or two, and the masses of the links with them; the whole
 press is built at the start and of the result. Slopes are central differences, because a table's formulas take no complex numbers.
@@ -35,7 +35,7 @@ class TableVariables:
         table: its entries.
         numbers: name of each variable -> its number in the table's text.
         steps: name of each variable -> step of its central differences [as in the table].
-        kept: what the variables must not change -> its values.
+        kept: name of a quantity that the variables must not change -> its values.
     """
 
     table: Entry
@@ -72,7 +72,7 @@ class TableVariables:
         return found
 
     def drawn(self, values: Mapping[str, float]) -> DrawnPress:
-        """The press as the table draws it with other values; raises PinTableError if they make none.
+        """The press of the table with other values; raises PinTableError if these values make no press.
 
         Raises:
             PinpressError: a variable changes what crank angles count from, or what moves with the crank by a ratio.

@@ -1,12 +1,13 @@
-"""Inverse dynamics of linkages whose bodies push on each other by teeth or threads: what acts there, in place of efforts in joints.
+"""Inverse dynamics of linkages whose bodies push on each other by teeth or threads: the wrenches there, in place of efforts in joints.
 
 Engines balance all forces with the effort of each relation on the joints that it names. The wrench of its contact has the same power in
 every motion of the closed linkage. So a first pass of the engine gives motion, driving torque and efforts of the relations, and a second
-one, with the wrenches of the contacts as loads on their bodies, finds the efforts in joints zero, and all bearing forces as they are. This
-holds for every engine, and for carriers that only loops join to their gears.
+one, with the wrenches of the contacts as loads on their bodies, gives zero efforts in joints, and the true bearing forces. This holds for
+every engine, and for carriers that only loops join to their gears.
 
-Rubbing and the forces that push gears apart depend on the sizes of efforts. Each is one more row of the friction law, behind the bearings:
-first every `Rubbing`, then every contact with a push. A row of a contact has the effort of its relation for a radial force, with its sign.
+Rubbing and the forces that push gears apart depend on the sizes of efforts. Each of them is a row of the friction law, after the rows of
+the bearings: first every `Rubbing`, then every contact with a push. A row of a contact has the effort of its relation for a radial force,
+with its sign.
 """
 
 from __future__ import annotations
@@ -171,7 +172,7 @@ class _Placed:
         return sizes
 
     def singles(self) -> Iterator[Array]:
-        """An effort (contacts, n) of every contact alone, as large as a multiplier of 1."""
+        """For every contact an effort (contacts, n) of this contact only, as large as a multiplier of 1."""
         for k, relation in enumerate(self.relations):
             single = np.zeros((len(self.contacts), len(self.origin[0])))
             single[k] = self.structure.relation_units[relation]
@@ -271,7 +272,7 @@ class _Placed:
 
     @cached_property
     def idle(self) -> Idle | None:
-        """The idle forces of the engine, of efforts in joints; None where they leave the contacts alone."""
+        """The idle forces of the engine, with efforts in joints; None if they do not involve the contacts."""
         if not self.engine.redundant(self.states.position[:, 0]):
             return None
         idle = self.engine.idle(self.states)
@@ -294,8 +295,8 @@ class _Placed:
     def efforts(self, acting: AppliedConditions, relations: Array | None = None) -> Array:
         """Efforts (contacts, n) of the contacts.
 
-        Where redundant equations leave them open, the efforts left in joints come to nothing, and among what is open then the bearings are
-        loaded as `engines.sharing` says.
+        If redundant equations leave them open, the remaining efforts in joints become zero, and what is still open is shared among the
+        bearings as in `engines.sharing`.
 
         Args:
             acting: what acts besides contacts, without a law.
@@ -309,7 +310,7 @@ class _Placed:
         return np.asarray(self.structure.relation_units[self.relations][:, None] * shares[-len(self.contacts) :])
 
     def settle(self, wrenches: Wrenches) -> Wrenches:
-        """The wrenches with those idle forces under which contacts leave no efforts in joints."""
+        """The wrenches with the idle forces for which contacts leave no efforts in joints."""
         if self.idle is None:
             return wrenches
         units, count = self.structure.relation_units[:, None], len(self.idle.relations)

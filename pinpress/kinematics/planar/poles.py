@@ -1,4 +1,4 @@
-"""What lectures draw of a planar linkage: poles of links, velocity and acceleration polygons, and Grashof's kinds of its four-bars."""
+"""Drawings of lectures on planar linkages: poles of links, velocity and acceleration polygons, and Grashof's kinds of its four-bars."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..motion import Motion, refuse_motion_of_another
 from ..poses import bearing_points, body_of, loaded_bodies, poses
 
 REST = 1e-12  # share of the fastest link below which a relative speed is rounding
-EQUAL = 1e-9  # share of the lengths of a four-bar below which their difference is rounding: files have about as many digits
+EQUAL = 1e-9  # share of the lengths of a four-bar below which a difference is rounding error: files have about nine digits
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,7 +36,7 @@ class PolePath(Tabular):
             the links rest relative to each other.
         angular_velocity: (n, 3) of the link relative to the other one, in world axes [rad/s]. In a drawing with x to the right and z up a
             link turns counter-clockwise about -y.
-        angular_acceleration: (n, 3) likewise [rad/s2].
+        angular_acceleration: (n, 3) of the link relative to the other one, in world axes [rad/s2].
     """
 
     link: str
@@ -72,8 +72,8 @@ class PolePath(Tabular):
 def poles(press: Linkage, motion: Motion, link: str, to: str) -> PolePath:
     """Find the pole of a link relative to another one, such as a coupler and the frame.
 
-    With the relative velocity v of a point B of the link, the relative angular velocity w and the plane's normal n it is B + n x v / w. The
-    poles of three links lie on a line (Kennedy).
+    With the relative velocity v of a point B of the link, the relative angular velocity w and the plane's normal n, the pole is B + n x v /
+    w. The poles of three links lie on a line (Kennedy).
 
     Args:
         press: a planar linkage with one driver.
@@ -85,11 +85,11 @@ def poles(press: Linkage, motion: Motion, link: str, to: str) -> PolePath:
         UnknownNameError: a link that the linkage does not have.
         PinpressError: the linkage is not planar, has several drivers, or is not that of the motion; both links are one body.
     """
-    normal = press.plane_or_refuse(f"{press.name} has no poles: they are those of planar linkages with one driver").normal
+    normal = press.plane_or_refuse(f"{press.name} has no poles: only planar linkages with one driver have them").normal
     refuse_motion_of_another(press, motion)
     first, second = body_of(press, link), body_of(press, to)
     if first == second:
-        raise PinpressError(f"{link} and {to} are one body, so that they have no pole: give two links that move relative to each other")
+        raise PinpressError(f"{link} and {to} are one body, so they have no pole: give two links that move relative to each other")
     bodies = _bodies(press, motion)
     at = bodies.origin[first or second]
     velocity = bodies.at_arms(at - bodies.origin).velocity
@@ -110,7 +110,8 @@ class VectorPolygons(Tabular):
     """Velocity and acceleration polygons of a planar linkage in one state: the vectors of its pins, all drawn from one pole.
 
     Points are the pins by their names. A slot adds "P on rocker": the point of the link with the slot that is at the pin P now. The points
-    of a link form its figure again: in the velocity polygon turned by a right angle and scaled by the link's angular velocity.
+    of a link form a figure similar to the link. In the velocity polygon it is turned by a right angle and scaled by the link's angular
+    velocity.
 
     Attributes:
         motion: the motion.
@@ -156,7 +157,7 @@ def polygons(press: Linkage, motion: Motion, state: int = 0) -> VectorPolygons:
     Raises:
         PinpressError: the linkage is not planar, has several drivers, or is not that of the motion; the motion has no such state.
     """
-    plane = press.plane_or_refuse(f"{press.name} has no polygons: they are those of planar linkages with one driver")
+    plane = press.plane_or_refuse(f"{press.name} has no polygons: only planar linkages with one driver have them")
     refuse_motion_of_another(press, motion)
     at = [whole_number("state", state, 0, len(motion.v) - 1)]
     bodies = _bodies(press, motion, at)
@@ -221,7 +222,7 @@ def grashof(press: Linkage) -> Records[FourBar]:
         PinpressError: the linkage is not planar, or has several drivers.
         AssemblyError: the loops do not stay closed.
     """
-    plane = press.plane_or_refuse(f"{press.name} has no kinds by Grashof: they are those of planar linkages with one driver")
+    plane = press.plane_or_refuse(f"{press.name} has no kinds by Grashof: only planar linkages with one driver have them")
     places = poses(press, press.closed[None])
     flat = bearing_points(press, places)[:, 0]
     flat = flat - np.outer(flat @ plane.normal, plane.normal)
