@@ -33,7 +33,8 @@ def read_motors(path: str | os.PathLike[str]) -> dict[str, InductionMotor]:
 
         motor, rated power [kW], rated speed [r/min], breakdown ratio, inertia [kg m2], frequency [Hz]
 
-    The frequency may be left out; it is then 50 Hz. The number of poles follows from the rated speed: the synchronous speed is the next one above.
+    The frequency may be left out; it is then 50 Hz. The number of poles follows from the rated speed: the synchronous speed is the next one
+    above.
 
     Raises:
         PinpressError: the file cannot be read, does not have these columns, or has no motor; the message names the row.
