@@ -501,7 +501,7 @@ def bearing_table(reactions: Reactions) -> Table:
 
 
 def tooth_table(reactions: Reactions) -> Table:
-    """Of all teeth and threads what the first link does to the second one where this force is largest, and the largest power lost."""
+    """For all teeth and threads the force of the first link on the second one where it is largest, and the largest lost power."""
     places, press, reactions = Places.at_peaks(reactions), reactions._press, at_peaks(reactions).reactions
     found, between = reactions.mesh, {contact.name: (contact.first, contact.second) for contact in press.contacts}
     names = list(found)

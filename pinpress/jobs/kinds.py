@@ -175,8 +175,8 @@ class Bearing(Checked):
         joint: preloaded gibs of a guide, in place of its stiffness, or None.
         permissible: largest force [N].
         pressure: permissible, of the projected surface of a pin [Pa].
-        wear_rate: worn volume by force and rubbing way [1/Pa].
-        rolling: bearings on the pin that roll, or None. Other pins with diameter and width are plain bearings.
+        wear_rate: worn volume / (force x rubbing way) [1/Pa].
+        rolling: rolling bearings on the pin, or None. Other pins with diameter and width are plain bearings.
     """
 
     friction: float | None = field(default=None, metadata=parameter("-", "not negative"))

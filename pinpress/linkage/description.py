@@ -118,9 +118,9 @@ class JointSpring(Checked):
 class GearMesh:
     """A ``<gear_mesh>``: two gears, named by their links, whose centres one link carries. Attributes are those of the element.
 
-    Numbers of teeth are negative of internal gears. ``carrier`` is the link that holds both centres, empty where it is to be found; of the
-    helix ``hand`` is that of gear 1. Angles are in degrees, ``module`` is that of the normal section [m], 0 where the drawn centre distance
-    says it. ``center1`` and ``center2`` are points in the frames of the gears' links [m], None for a pin of the gear.
+    An internal gear has a negative number of teeth. ``carrier`` is the link that holds both centres; if empty, it is found. ``hand`` is the
+    hand of the helix of gear 1. Angles are in degrees, ``module`` is that of the normal section [m]; 0: it follows from the drawn centre
+    distance. ``center1`` and ``center2`` are points in the frames of the gears' links [m], None for a pin of the gear.
     """
 
     name: str
@@ -191,7 +191,8 @@ class Screw:
 class Worm:
     """A ``<worm>``: a worm and its wheel, named by their links, with axes at a right angle that one link carries.
 
-    ``quotient`` is the pitch diameter of the worm by the axial ``module`` [m]. One of the two may be 0: the drawn centre distance says it.
+    ``quotient`` is the pitch diameter of the worm by the axial ``module`` [m]. One of the two may be 0: it then follows from the drawn
+    centre distance.
     """
 
     name: str

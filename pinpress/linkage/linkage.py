@@ -517,8 +517,8 @@ class Linkage(Frozen):
         return any(contact.rubbing or contact.unit.push.any() for contact in self.contacts)
 
     def refuse_contacts(self, refusal: str) -> None:
-        """Raise PinpressError if bodies push on each other by teeth, threads or rollers; ``refusal``: what does not take them, and what
-        does."""
+        """Raise PinpressError if bodies push on each other by teeth, threads or rollers; ``refusal``: which feature does not take such
+        elements, and what to do instead."""
         if contacts := self.structure.contacts:
             names = ", ".join(repr(contact.name or self.relations[contact.relation].name) for contact in contacts)
             raise PinpressError(f"{self.name} has teeth, threads or rollers in {names}: {refusal}")

@@ -1,7 +1,7 @@
 """Numbers of a pin table as variables of a synthesis: they give pivots and inertias of the press.
 
-The file is read once. Of a design, the pins are placed again in a millisecond or two, and the masses of the links with them; the whole
-press is built at the start and of the result. Slopes are central differences, because a table's formulas take no complex numbers.
+The file is read once. For each design only the pins and the masses of the links are computed again, in a millisecond or two; the whole
+press is built at the start and for the result. Slopes are central differences, because a table's formulas take no complex numbers.
 """
 
 from __future__ import annotations
