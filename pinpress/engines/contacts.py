@@ -83,7 +83,7 @@ class Planets(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contact(Frozen):
-    """A contact whose wrench stands still in its carrier: teeth at a pitch point, a thread.
+    """A contact whose wrench has a fixed direction and place in its carrier: teeth at a pitch point, a thread.
 
     Attributes:
         name: of the contact; empty for the pair of a shaft and a slide in ``<mimic>``, which has no bearing of its own in results.

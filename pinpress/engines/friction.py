@@ -27,7 +27,7 @@ class FrictionLaw:
         viscous: (bearings,) effort by speed [N m s, of a guide N s/m].
         preload: (bearings,) force with which the gibs of a guide press on it without a load; zero of all others [N].
         turns: (bearings,) False for guides, True for all others.
-        pushes: (bearings,) True for rows that are forces which push gears apart, not friction: they are positive, also at rest.
+        pushes: (bearings,) True for rows that are not friction but forces that push gears apart: these are positive, also at rest.
         size: length of the linkage [m].
     """
 

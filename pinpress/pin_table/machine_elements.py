@@ -116,7 +116,7 @@ class MachineElement:
     """A machine element of a table.
 
     Attributes:
-        name: of the element, which names its force as the pin of a bearing does.
+        name: of the element and of its force.
         section: its section of the table, a key of `SECTIONS`.
         links: attribute of its URDF element -> link or frame: the two links that push on each other, and their carrier, if the table names
             it.

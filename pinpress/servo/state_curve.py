@@ -52,7 +52,7 @@ class StateCurve:
 
 
 def state_curve(places: Array, value: Array, first: Array, second: Array) -> StateCurve:
-    """The curve through states (n,), at places that never fall.
+    """The curve through states (n,) at places in rising order; two may be equal.
 
     Raises:
         PinpressError: there are fewer than two states.

@@ -158,7 +158,7 @@ class _Placed:
         self.origin = {0: np.zeros((n, 3))} | dict(zip(self.bodies, motion.origin.transpose(0, 2, 1), strict=True))
 
     def loads(self, by_effort: Array, by_size: Array) -> list[AppliedForce]:
-        """What contacts do to their bodies by their efforts, and by the sizes (contacts, n) of what pushes apart."""
+        """Wrenches of contacts on their bodies, from their efforts and the sizes (contacts, n) of the forces that push apart."""
         return self._on_bodies(
             (contact, body, unit.point, unit.force * effort + unit.push * size, unit.couple * effort)
             for contact, own, effort, size in zip(self.contacts, self.units, by_effort[..., None], by_size[..., None], strict=True)
@@ -206,7 +206,7 @@ class _Placed:
         return np.asarray(self._turned(contact, point) + self.origin[contact.carrier])
 
     def bearing_loads(self, conditions: AppliedConditions, efforts: Array, rates: Array) -> tuple[BearingLoads, Array]:
-        """`Engine.bearing_loads` with what acts in contacts, and their efforts (contacts, n)."""
+        """`Engine.bearing_loads` with the wrenches of contacts, and the efforts (contacts, n) of these."""
         acting = conditions.under(self.rubbing(efforts), efforts[: self.bearings])
         by_effort = self.efforts(acting)
         acting = acting.under(self.loads(by_effort, self.pushes(efforts)), acting.friction)
