@@ -62,15 +62,6 @@ def test_no_number_depends_on_the_states(seed):
         np.testing.assert_allclose(rms, kinds[-1][1], rtol=5e-6, atol=1e-9)
 
 
-def test_a_breakthrough_between_states_costs_no_accuracy():
-    press, blank = texts.shipped("zxn2_3000b"), pp.loads.Blanking(1e6, 0.006, 0.002)
-    few, many = (
-        pp.measures.driving_energy(pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=points), [blank])) for points in (90, 2880)
-    )
-    assert few.work == pytest.approx(1e6 * 0.004 * 2 / np.pi, rel=1e-6)
-    assert few.stored == pytest.approx(many.stored, rel=1e-6)
-
-
 def test_flywheel_under_an_even_torque():
     """The steady state is exact; the drop of speed of first order differs from it by about a drop's share."""
     press, inertia = texts.shipped("zxn2_3000b"), 2e5
