@@ -85,8 +85,8 @@ def test_energy_of_a_stroke(written: Path, loaded: Any) -> None:
     work = dict(zip(bars["places"], UNITS[bars["unit"]] * np.array(bars["bars"]["work"]), strict=True))
     assert work["process"] == pytest.approx(loaded.process_work)
     lost = sum(float(power.mean()) for power in loaded.friction_power.values()) * 60 / 70
-    assert work["friction"] == pytest.approx(lost, rel=5e-3)  # the mean of 180 states, between which the load begins
-    assert work["drive"] == pytest.approx(work["process"] + work["friction"], rel=1e-5)
+    assert work["friction"] == pytest.approx(lost)
+    assert work["drive"] == pytest.approx(work["process"] + work["friction"], rel=1e-2)  # at 180 states
 
 
 def test_permissible_force_and_its_limits(written: Path, loaded: Any, ratings: Any) -> None:
