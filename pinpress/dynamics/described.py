@@ -30,7 +30,7 @@ from ..loads.link import LinkLoad
 from .applied_loads import process_work, turning_points
 from .cams import CamReactions, cam
 from .driving_energy import driving_energy
-from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, over_time, rms_of, rounding, torque_without_rounding
+from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, rounding, torque_without_rounding
 from .harmonics import HarmonicAnalysis, harmonics
 from .reactions import Reactions, carrying
 from .timing import TimingDiagram
@@ -339,10 +339,8 @@ def _drive(reactions: Reactions, drawn: Reactions, along: Along) -> list[Section
     coordinates, places = reactions.motion.driver_coordinates, replace(Places.at_peaks(reactions), heights=None)
     efforts = (torque_without_rounding(found.reactions), found.reactions.motion.crank_speed)
     torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in efforts)
-    mean = over_time(reactions)
-    all_times = np.reshape(torque_without_rounding(mean.reactions), (-1, len(coordinates))).T
     own: list[Figure] = []
-    for driver, coordinate, torque, speed, over in zip(reactions.motion.drivers, coordinates, torques, speeds, all_times, strict=True):
+    for driver, coordinate, torque, speed in zip(reactions.motion.drivers, coordinates, torques, speeds, strict=True):
         if reactions.passive == "free" and driver in reactions._press.passive:
             continue  # where nothing drives it there is only rounding
         of = f" of {driver}" if len(coordinates) > 1 else ""
@@ -350,7 +348,7 @@ def _drive(reactions: Reactions, drawn: Reactions, along: Along) -> list[Section
         own += [
             extreme(f"largest {what}{of}", torque, unit, np.argmax, places, kind="torque"),
             extreme(f"smallest {what}{of}", torque, unit, np.argmin, places, kind="torque"),
-            Figure(f"rms {what}{of}", rms_of(over, mean.share), unit),
+            Figure(f"rms {what}{of}", float(np.sqrt(found.weight @ torque**2)), unit),
             extreme(f"largest power{of}", torque * speed, "W", np.argmax, places),
         ]
     note = "Torques and forces act on the driver, along its axis."
@@ -384,11 +382,10 @@ def energy_of_stroke(reactions: Reactions) -> tuple[list[Figure], list[Bars]]:
     turns, period_turns = stroke_turns(reactions._press), motion.period_turns
     strokes = 1.0 if turns is None or period_turns is None else period_turns / turns
     period = 2 * np.pi * (period_turns or 1) / abs(asked.speed)
-    mean = over_time(reactions)
     work = {
         "drive": asked.work,
         "process": reactions.process_work,
-        "friction": sum(float(mean.share @ power) for power in mean.reactions.friction_power.values()) * period,
+        "friction": sum(float(power.mean()) for power in reactions.friction_power.values()) * period,
     }
     if any(isinstance(load, LinkLoad) for load in reactions.loads):
         work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]

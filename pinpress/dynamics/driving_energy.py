@@ -14,11 +14,9 @@ import numpy as np
 
 from ..common.arguments import expect, positive, typed
 from ..common.errors import PinpressError
-from ..common.quantities import Array
 from ..common.results import Record
 from ..kinematics.motion import is_constant, is_cycle
-from .extremes import MeanStates, at_peaks, over_time, rms_of
-from .peaks import GAUSS
+from .extremes import at_peaks
 from .reactions import Reactions
 
 UNITS = {
@@ -89,8 +87,8 @@ class PeriodEnergy(Record, units=UNITS):
 def driving_energy(reactions: Reactions) -> PeriodEnergy:
     """Work of the drive, its mean power and torque, and the energy that a flywheel has to store.
 
-    They are integrals and extremes over the period, whatever states the motion has. Under loads that are known in its states alone they
-    are sums over these, in which the process has its `Reactions.process_work`.
+    They are sums over the states of a period; the work of the process between them is exact, see `Reactions.process_work`, and the
+    largest torque is that of `extremes`.
 
     Args:
         reactions: Reactions to one period of a crank at constant speed, as `cycle` gives it, under loads and friction.
@@ -104,50 +102,24 @@ def driving_energy(reactions: Reactions) -> PeriodEnergy:
     reactions._press.refuse_several_drivers("what they give is driving_torque * crank_speed, over time")
     if not is_cycle(motion) or not is_constant(motion.crank_speed):
         raise PinpressError("the motion is not one period of a crank at constant speed: give reactions to cycle(press, speed=...)")
-    mean_states, speed = over_time(reactions), float(motion.crank_speed[0])
-    torque = mean_states.reactions.driving_torque
-    if mean_states.reactions is reactions:
-        step = float(motion.crank_angle[1] - motion.crank_angle[0])
-        along = 0.0 if reactions._press.slide is None else reactions.process_force * motion.slide_velocity
-        rest = torque + along / speed  # without the process, whose force may jump between two states
-        works = 0.5 * (rest + np.roll(rest, -1)) * step + reactions._process_steps
-        mean = float(works.mean() / step)
-        angle, missing = np.append(motion.crank_angle[1:], motion.crank_angle[0]), np.cumsum(works - mean * step)
-        work = float(works.sum())
-    else:
-        way = float(np.copysign(2 * np.pi * (motion.period_turns or 1), speed))
-        mean = float(mean_states.share @ torque)
-        angle, missing = _missing(mean_states, mean, way)
-        work = mean * way
+    torque, speed, peaks = reactions.driving_torque, float(motion.crank_speed[0]), at_peaks(reactions)
+    at_peak = peaks.reactions.driving_torque
+    step = float(motion.crank_angle[1] - motion.crank_angle[0])
+    along = 0.0 if reactions._press.slide is None else reactions.process_force * motion.slide_velocity
+    rest = torque + along / speed  # without the process, whose force may jump between two states
+    works = 0.5 * (rest + np.roll(rest, -1)) * step + reactions._process_steps
+    mean = float(works.mean() / step)
+    missing = np.cumsum(works - mean * step)  # energy that the flywheel has given off after each step
     lowest, highest = int(missing.argmax()), int(missing.argmin())
+    angle = np.append(motion.crank_angle[1:], motion.crank_angle[0])
     return PeriodEnergy(
         speed=speed,
-        work=work,
+        work=float(works.sum()),
         mean_power=mean * speed,
         mean_torque=mean,
-        rms_torque=rms_of(torque, mean_states.share),
-        largest_torque=float(np.abs(at_peaks(reactions).reactions.driving_torque).max()),
+        rms_torque=float(np.sqrt(peaks.weight @ at_peak**2)),
+        largest_torque=float(np.abs(at_peak).max()),
         stored=float(np.ptp(missing)),
         lowest_at=float(angle[lowest]),
         highest_at=float(angle[highest]),
     )
-
-
-def _missing(states: MeanStates, mean: float, way: float) -> tuple[Array, Array]:
-    """Crank angles (m,) [rad] and the energy (m,) that the flywheel has given off until then [J]: at the steps of the integral over the
-    period's ``way`` [rad], and within them wherever the torque passes its mean. In a step the torque is the cubic through Gauss's nodes.
-    """
-    polynomial = np.polynomial.polynomial
-    nodes, _ = GAUSS
-    torque, share = (values.reshape(-1, 1 + len(nodes)) for values in (states.reactions.driving_torque - mean, states.share))
-    angle, half = states.reactions.motion.crank_angle[:: 1 + len(nodes)], 0.5 * way * share.sum(axis=1)
-    before = np.append(0.0, np.cumsum(way * (share * torque).sum(axis=1)))[:-1]
-    cubic = np.linalg.solve(polynomial.polyvander(nodes, len(nodes) - 1), torque[:, 1:].T)
-    places = np.concatenate([[-1.0], nodes, [1.0]])
-    values = polynomial.polyval(places, cubic)
-    step, gap = np.nonzero(np.signbit(values[:, :-1]) != np.signbit(values[:, 1:]))
-    at, to, low, high = places[gap], places[gap + 1], values[step, gap], values[step, gap + 1]
-    passed = at + (to - at) * low / (low - high)  # an error of second order here is one of fourth order in the energy
-    energy = polynomial.polyint(cubic, lbnd=-1.0)[:, step]
-    within = before[step] + half[step] * polynomial.polyval(passed, energy, tensor=False)
-    return np.append(angle, angle[step] + half[step] * (1 + passed)), np.append(before, within)

@@ -19,7 +19,7 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import ROUNDING, Motion, finite, is_constant
 from ..kinematics.poses import poses
-from .peaks import PeakStates, integration_states, peak_states
+from .peaks import PeakStates, peak_states
 from .reactions import Reactions, carrying
 
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
@@ -47,7 +47,8 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         largest: largest value.
         largest_at: crank angle of the largest value [deg or mm].
         range: largest value less the smallest.
-        rms: root mean square over time; over the states where nothing is known between them.
+        rms: root mean square over the period of a `cycle`, else over the states; it is that over time where these are equally spaced in
+            time, as in a run.
     """
 
     quantity: str
@@ -74,9 +75,9 @@ class ExtremesOverTime(ExtremeValues, units={"smallest_at": "s", "largest_at": "
 def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     """Extremes of slide motion, torques, bearing forces and moments, shaking force and shaking moment, and of a crank speed that varies.
 
-    Neither they nor the rms depend on where the motion's states are. Where a load begins or ends with a step, extremes are the limits at
-    both sides of the step; smooth peaks are found between the states. Where nothing is known between the states, as under forces that are
-    given state by state, all are those of the states.
+    They do not depend on where the motion's states are. Where a load begins or ends with a step, they are the limits at both sides of the
+    step; smooth peaks are found between the states. Where nothing is known between the states, as under forces that are given state by
+    state, they are those of the states.
 
     Vectors are listed by their magnitude and their components along the world axes, without components that are zero to rounding. Bearing
     moments are those that `held_moments` returns. Slide positions are in mm and crank speeds in r/min, all else is in SI units.
@@ -88,19 +89,14 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
         PinpressError: A value is not finite, or bearings were left out.
     """
     rounding(reactions)  # which refuses forces that are not finite
-    found, mean = at_peaks(reactions), over_time(reactions)
-    motion = found.reactions.motion
+    found = at_peaks(reactions)
+    reactions, motion = found.reactions, found.reactions.motion
     kind, places = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel, finite("crank angle", motion.shown_position)
     if len(motion.drivers) > 1 and motion._time is not None:  # no one of them tells the states apart
         kind, places = ExtremesOverTime, motion.time
-    # a quantity that is rounding in all states of the integral is not among them
-    rms = {quantity: rms_of(values, mean.share) for quantity, _, values in _series(mean.reactions)}
+    series = _series(reactions)
     return Records(
-        kind,
-        (
-            _extreme_values(kind, quantity, unit, finite(quantity, values), places, rms.get(quantity, 0.0))
-            for quantity, unit, values in _series(found.reactions)
-        ),
+        kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), places, found.weight) for quantity, unit, values in series)
     )
 
 
@@ -116,41 +112,6 @@ def at_peaks(reactions: Reactions) -> PeakStates:
         derived["_peaks"] = peak_states(reactions, _listed)
     peaks: PeakStates = derived["_peaks"]
     return peaks
-
-
-class MeanStates(NamedTuple):
-    """States whose mean is that over the time of a motion.
-
-    Attributes:
-        reactions: in these states.
-        share: (n,) of the time for which each state counts; the sum is one.
-    """
-
-    reactions: Reactions
-    share: Array
-
-
-def over_time(reactions: Reactions) -> MeanStates:
-    """The states of `integration_states` for means over time; the given states, all alike, where nothing is known between them. They are
-    found once for all readers."""
-    derived = vars(reactions)  # as in `at_peaks`
-    if "_over_time" not in derived:
-        motion = reactions.motion
-        count = len(motion.crank_angle)
-        found = MeanStates(reactions, np.full(count, 1.0 / max(count, 1)))
-        if motion._time is not None and count > 1:
-            states, weight = integration_states(reactions, lambda motion: ())
-            if states is not reactions:
-                found = MeanStates(states, weight / weight.sum())
-        derived["_over_time"] = found
-    mean: MeanStates = derived["_over_time"]
-    return mean
-
-
-def rms_of(values: Array, share: Array) -> float:
-    """Root mean square of values (n,) with their shares, of any size: squares of large numbers would overflow."""
-    size = float(np.abs(values).max()) or 1.0
-    return size * float(np.sqrt(share @ (values / size) ** 2))
 
 
 def _listed(reactions: Reactions) -> Iterator[Array]:
@@ -211,12 +172,13 @@ def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple
         yield f"{name}, {AXES[i]}", unit, vector[:, i]
 
 
-def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array, rms: float) -> ExtremeValues:
+def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array, weight: Array) -> ExtremeValues:
     low, high = int(values.argmin()), int(values.argmax())
     smallest, largest = float(values[low]), float(values[high])
-    size = float(np.abs(values).max()) or 1.0
+    size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
     smallest, largest = (0.0 if abs(value) < ROUNDING_OF_VALUES * size else value for value in (smallest, largest))
     width = largest - smallest if largest - smallest > ROUNDING_OF_VALUES * size else 0.0
+    rms = size * float(np.sqrt(weight @ (values / size) ** 2))
     return kind(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
 
 

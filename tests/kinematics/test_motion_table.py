@@ -64,7 +64,10 @@ def test_drivers_that_turn_and_slide_with_decimal_commas(tmp_path: Path) -> None
     # in ms the steps are equal but for rounding, so that a quintic spline takes the place of the trigonometric polynomial
     np.testing.assert_allclose(found.crank_acceleration, want.crank_acceleration, rtol=0, atol=1e-6)
     assert str(found).startswith("Motion of press: 72 states, A at 0 to 355 deg, ram_guide at -40 to 40 mm, slide at ")
-    assert pp.inverse_dynamics(press, found).title == "Reactions of press: 72 states, 0 loads, engine 'plane'"
+    result = pp.inverse_dynamics(press, found)
+    assert ", driving torque of A " in result.title
+    assert ", driving force of ram_guide " in result.title
+    assert result.title.count(" N m") == 1
 
 
 @pytest.mark.parametrize("head", ["A [deg]", "angle [deg]", "angle [°]", "crank_angle [rad]"])
