@@ -157,7 +157,7 @@ class _States(NamedTuple):
 
 def _contact(press: Linkage, name: str) -> CamContact:
     cams = {contact.name: contact for contact in press.contacts if isinstance(contact, CamContact)}
-    if name not in cams:
+    if not isinstance(name, str) or name not in cams:
         raise UnknownNameError("cam", name, cams)
     return cams[name]
 

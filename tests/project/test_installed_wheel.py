@@ -94,7 +94,7 @@ def test_tests_of_the_source_distribution_pass_with_the_wheel(stranger: Stranger
     printed = stranger.run("pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *tests, cwd=stranger.unpacked)
     passed = re.search(r"(\d+) passed", printed)
     assert passed is not None
-    assert int(passed[1]) > 100
+    assert int(passed[1]) > 80
 
 
 def test_the_readmes_first_line_works_where_the_source_distribution_is_unpacked(stranger: Stranger, tmp_path: Path) -> None:

@@ -104,7 +104,7 @@ def test_imports_point_down() -> None:
     [
         ("linkage", "def kept():\n    from ..kinematics.motion import Motion  # inside a function\n"),
         ("engines", "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ..linkage.linkage import Linkage\n"),
-        ("synthesis", "from ..sweeps import sweeping\n"),
+        ("balancing", "from ..sweeps import sweeping\n"),
         ("attic", ""),  # a room that stands on no storey
     ],
 )
