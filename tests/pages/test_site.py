@@ -204,7 +204,7 @@ QUESTIONS = {
     "feed window": "timing servo",
     "timing diagram": "timing",
     "motion controller": "cam_tables servo",
-    "choose a motor": "mains servo",
+    "choose a motor": "mains servo motor",
     "size of the flywheel": "mains",
     "servo motor selection": "servo examples/motor",
     "tonnage": "ratings",
