@@ -81,7 +81,7 @@ def safety_distance(
         raise PinpressError(f"{coarse}, because an arm reaches through coarser ones; give a finer one")
     stopping_time = times["at 90 deg" if edition.startswith("OSHA") else "stopping"]
     rows: list[tuple[str, float, str]] = [
-        ("stopping time", stopping_time, "computed, without wear, heat and scatter"),
+        ("stopping time", stopping_time, "computed with all springs and loads, without wear, heat and scatter"),
         ("control", times["control"], "given"),
         ("device", times["device"], "given"),
     ]
