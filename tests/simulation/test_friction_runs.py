@@ -246,7 +246,7 @@ def test_scenarios_are_runs():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"friction": {"O": Friction(0.1, 0.05)}, "method": "constraint"}, "method='constraint' knows no friction in bearings"),
+        ({"friction": {"O": Friction(0.1, 0.05)}, "method": "constraint"}, "method='constraint' has no friction in bearings"),
         ({"friction": {"Q": Friction(0.1, 0.05)}}, "no bearing 'Q'"),
         ({"friction": {"O": Friction(0.1)}}, "its radius is missing"),
         ({"friction": {"O": Friction(0.1, 0.05, preload=1e3)}}, "preload is that of the gibs of a guide; leave it out"),
