@@ -26,6 +26,7 @@ e.g. press.yaml, with its table or file: zxn2_3000b:
     forces: [{height: 6 mm, force: 3000 kN}]                    # the crank's torque there
     budget: {speeds: 10 50 70 r/min, warm: {rod: 10 K}, process: 500 kN}
   bearings: {F: {clearance: 50 um, stiffness: 3 GN/m}}          # for the budget
+A number of a table of pins is a dimension too: r: 0.05 mm, or pins.D.1: 0.1 mm.
 A table of dimensions has the columns dimension, tolerance, and if wanted unit (mm, um, m, deg, rad), shape (normal, uniform, truncated),
 sd, name, cost (half the tolerance costs twice as much), smallest, largest.
 pinpress tolerances press.yaml --out out

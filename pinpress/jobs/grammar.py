@@ -157,7 +157,7 @@ class Dimension(Text):
 
     def read(self, entry: Entry, around: Around) -> Any:
         """The row as texts, in the unit of the tolerance."""
-        si = "rad" if entry.path[-1].startswith("angle") else "m"  # of numbers of a call
+        si = "rad" if entry.path[-1].startswith("angle") or entry.path[-1].endswith(".angle") else "m"  # of numbers of a call
 
         def with_unit(each: Entry) -> Entry:
             return replace(each, value=f"{each.value!r} {si}") if isinstance(each.value, float) else each

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -34,6 +34,7 @@ from ..linkage.loading import presses
 from ..loads.link import Friction, Load, StandingLoad
 from ..loads.mounts import Frame
 from ..pin_table.building import DrawnPress
+from ..pin_table.dependence import dimension
 from ..ratings.along_motion import MotionRatings, rate_motion
 from ..ratings.emergency_stops import StoppingTimes, stopping
 from ..ratings.permissible_force import Capacities
@@ -609,9 +610,10 @@ class Job(Frozen):
         from ..tolerances.dimension_table import dimensions_of, read_dimensions  # seldom needed
 
         given = self.need("tolerances")["dimensions"]
+        of_table = None if self.drawn is None else partial(dimension, self.drawn)
         if isinstance(given, Path):
-            return read_dimensions(self.press, given)
-        return dimensions_of(self.press, [(name, {"dimension": name, **row}) for name, row in given.items()], "dimensions")
+            return read_dimensions(self.press, given, of_table)
+        return dimensions_of(self.press, [(name, {"dimension": name, **row}) for name, row in given.items()], "dimensions", of_table)
 
     def scatter(self) -> DeadCentreScatter:
         """Scatter of the dead centres with the tolerances of the dimensions."""

@@ -1,2 +1,3 @@
 from .building import DrawnPress as DrawnPress
 from .building import draft as draft
+from .dependence import dimension as dimension

@@ -19,12 +19,11 @@ from ..common.quantities import Array
 from ..derivatives.motion import Pivots
 from ..linkage.linkage import Linkage
 from ..pin_table.building import DrawnPress, drawn_from
+from ..pin_table.dependence import kept_by_variation, masses_of, pivots_of, refuse_changed
 from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_exact_numbers, written
 from ..pin_table.reading import Entry, read_table
-from ..pin_table.urdf_text import drawn_frames
 
 STEP = 1e-6  # of a variable's range: the differences are exact to about 1e-10, a ten-thousandth of what an optimum's conditions ask for
-SAME = 1e-9  # share by which rounding may change what the variables must not change
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,10 +63,10 @@ class TableVariables:
         chosen = {name: numbers[name] for name in variables}
         found = TableVariables(table, chosen, {name: STEP * size for name, (_, size) in variables.items()}, {})
         start = {name: value for name, (value, _) in variables.items()}
-        found = replace(found, kept=_kept(found.drawn(start)))
+        found = replace(found, kept=kept_by_variation(found.drawn(start)))
         for name in variables:
             ahead, back = (found.drawn(each) for each in found._around(start, name))
-            if _same(_pivots(ahead), _pivots(back)) and _same(_masses(ahead), _masses(back)):
+            if _same(pivots_of(ahead), pivots_of(back)) and _same(masses_of(ahead), masses_of(back)):
                 raise PinpressError(f"variable {shown(name)}: no place and no mass of {table.file} depends on it; leave it out")
         return found
 
@@ -79,13 +78,8 @@ class TableVariables:
         """
         with cautions_collected():  # those of the start and of the result are issued by `press`
             drawn = self._drawn(values)
-        now = _kept(drawn) if self.kept else {}
-        for what, kept in self.kept.items():
-            if not np.abs(now[what] - kept).max() <= SAME * max(1.0, np.abs(kept).max()):
-                raise PinpressError(
-                    f"{what} changes with {', '.join(values)}, but must be the same in all designs: place the pins"
-                    " of a crank by from, length and angle"
-                )
+        if self.kept:
+            refuse_changed(self.kept, drawn, values)
         return drawn
 
     def press(self, values: Mapping[str, float]) -> Linkage:
@@ -101,9 +95,9 @@ class TableVariables:
         """Pivots as for `reshaped`; for one complex value their derivatives by it as imaginary parts."""
         name = next((name for name, value in values.items() if np.iscomplexobj(value)), None)
         if name is None:
-            return _pivots(self.drawn(values))
+            return pivots_of(self.drawn(values))
         real = {each: float(np.real(value)) for each, value in values.items()}
-        ahead, back = (_pivots(self.drawn(each)) for each in self._around(real, name))
+        ahead, back = (pivots_of(self.drawn(each)) for each in self._around(real, name))
         share = 0.5j * np.imag(values[name]) / self.steps[name]
         return {key: (ahead[key] + back[key]) / 2 + share * (ahead[key] - back[key]) for key in ahead}
 
@@ -115,7 +109,7 @@ class TableVariables:
     def weighed(self, press: Linkage, values: Mapping[str, float]) -> Linkage:
         """A press whose links have the frames of the table's, with the masses of other values."""
         inertias = list(press.model.inertias)
-        for joint, parameters in _masses(self.drawn(values)).items():
+        for joint, parameters in masses_of(self.drawn(values)).items():
             inertias[press.joints.index(joint) + 1] = pin.Inertia.FromDynamicParameters(parameters)
         return press.with_inertias(inertias)
 
@@ -125,49 +119,6 @@ class TableVariables:
     def _around(self, values: Mapping[str, float], name: str) -> tuple[dict[str, float], dict[str, float]]:
         step = self.steps[name]
         return {**values, name: values[name] + step}, {**values, name: values[name] - step}
-
-
-def _pivots(drawn: DrawnPress) -> dict[tuple[str, str], Array]:
-    """(bearing, link) -> (3,) position in the link's own frame [m]."""
-    frames = drawn_frames(drawn.parts, drawn.tree)
-    pivots = {(each.name, each.link1): frames[each.link1].actInv(frames[each.link2].translation) for each in drawn.tree.joints}
-    for loop in drawn.tree.loops:
-        assert loop.pin is not None
-        point = drawn.parts.pins[loop.pin].point
-        pivots |= {(loop.name, link): frames[link].actInv(point) for link in (loop.link1, loop.link2)}
-    return pivots
-
-
-def _masses(drawn: DrawnPress) -> dict[str, Array]:
-    """Joint -> (10,) mass, its moments and moments of inertia of the link that it carries, in the link's own frame [SI]."""
-    frames, links = drawn_frames(drawn.parts, drawn.tree), {link.name: link for link in drawn.parts.links}
-    masses = {}
-    for joint in drawn.tree.joints:
-        link, place = links[joint.link2], frames[joint.link2]
-        inertia = pin.Inertia(link.mass, place.actInv(link.centre), place.rotation.T @ link.inertia @ place.rotation)
-        masses[joint.name] = inertia.toDynamicParameters()
-    return masses
-
-
-def _kept(drawn: DrawnPress) -> dict[str, Array]:
-    """What pivots do not show: how drivers, guides and geared links are turned in the drawn pose, ratios and machine elements."""
-    frames, links, tree = drawn_frames(drawn.parts, drawn.tree), {link.name: link for link in drawn.parts.links}, drawn.tree
-    elements = drawn.parts.elements
-    bodies = {body for element in elements for body in element.bodies}
-    geared = {*tree.drivers, *tree.gears, *(leader for leader, _ in tree.gears.values())}
-    kept: dict[str, Array] = {f"the ratio of {name}": np.array([ratio]) for name, (_, ratio) in tree.gears.items()}
-    for joint in tree.joints:
-        carrier, link = frames[joint.link1].rotation.T, links[joint.link2]
-        if joint.name in geared or joint.pin is None or link.name in bodies:
-            kept[f"the angle of {link.name} in the drawn pose"] = carrier @ frames[link.name].rotation
-        if link.guide is not None:
-            kept[f"the direction of {joint.name}"] = carrier @ link.guide.direction
-    if drawn.tool is not None:
-        kept["the point of the tool"] = frames[drawn.tool.link].actInv(drawn.tool.point)
-    for element in elements:
-        numbers = [value for value in element.values.values() if not isinstance(value, str)]
-        kept[f"a number of {element.name}"] = np.array([*numbers, 0.0], dtype=float)
-    return kept
 
 
 def _same(one: Mapping[Any, Array], other: Mapping[Any, Array]) -> bool:

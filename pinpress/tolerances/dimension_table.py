@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +31,9 @@ HEADS = ("dimension", "tolerance", "unit", "shape", "sd", "name", "cost", "small
 LENGTHS = {"mm": 1e3, "um": 1e6, "µm": 1e6, "m": 1.0}  # units per metre: 50 / 1e6 is exactly 5e-05, 50 * 1e-6 is not
 ANGLES = {"deg": 180 / math.pi, "rad": 1.0}
 WORDS = "write 'length E F', 'angle C D E', 'position A x', or 'position E x rocker' for a pin that is not in the frame"
+OF_TABLE = "or one word, a number of the press's pin table, such as 'r'"
+OfTable = Callable[..., Dimension]
+"""The dimension of a number of the press's pin table by its name, tolerance [m or rad], unit, name in results, shape and sd."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,11 +65,11 @@ class DimensionTable(Tabular):
 
 
 @typed
-def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTable:
+def read_dimensions(press: Linkage, path: str | os.PathLike[str], of_table: OfTable | None = None) -> DimensionTable:
     """Read the dimensions of a CSV or YAML file (.yaml, .yml) with these columns or keys, of which the first two are required:
 
         dimension  ``length E F``: `link_length`; ``angle C D E``: `pin_angle`; ``position A x``: `pin_position` in the frame,
-                   ``position E x rocker`` in another link
+                   ``position E x rocker`` in another link; one word, such as ``r``: a number of the press's pin table
         tolerance  half-width +/- of the tolerance
         unit       unit of tolerance, sd, smallest and largest: mm (default of lengths), um, m; deg (default of angles), rad
         shape      normal (default), uniform or truncated
@@ -75,15 +78,23 @@ def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTa
         cost       cost at this tolerance, for `allocate`
         smallest, largest  smallest and largest tolerance that can be made, for `allocate`
 
+    Args:
+        press: the press.
+        path: of the file.
+        of_table: `pin_table.dimension` with the press's draft, ``partial(pp.pin_table.dimension, drawn)``; None: the press has no table.
+
     Raises:
         PinpressError: the file cannot be read, does not have these columns, or a row is not a dimension of this press; the message names
             the row.
     """
     name = files.path_of("path", path)
-    return dimensions_of(press, _yaml_rows(name) if name.lower().endswith((".yaml", ".yml")) else _csv_rows(name), name)
+    rows = _yaml_rows(name) if name.lower().endswith((".yaml", ".yml")) else _csv_rows(name)
+    return dimensions_of(press, rows, name, of_table)
 
 
-def dimensions_of(press: Linkage, rows: Sequence[tuple[str, Mapping[str, str]]], name: str) -> DimensionTable:
+def dimensions_of(
+    press: Linkage, rows: Sequence[tuple[str, Mapping[str, str]]], name: str, of_table: OfTable | None = None
+) -> DimensionTable:
     """The dimensions of rows: their place, and their cells as text by the heads of `read_dimensions`; ``name``: of all, for messages.
 
     Raises:
@@ -94,7 +105,7 @@ def dimensions_of(press: Linkage, rows: Sequence[tuple[str, Mapping[str, str]]],
     parts, costs, bounds = [], {}, {}
     for place, row in rows:
         try:
-            part, per = _dimension(press, row)
+            part, per = _dimension(press, row, of_table)
             if row.get("cost"):
                 costs[part.name] = _number(row, "cost")
             ends = [_number(row, end) / per for end in ("smallest", "largest") if row.get(end)]
@@ -144,11 +155,13 @@ def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:
     return rows
 
 
-def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float]:
+def _dimension(press: Linkage, row: Mapping[str, str], of_table: OfTable | None) -> tuple[Dimension, float]:
     """The dimension of a row, and the number of its units in 1 m or 1 rad."""
     kind, *names = row["dimension"].split() or [""]
-    units = ANGLES if kind == "angle" else LENGTHS
+    units = ANGLES if kind == "angle" or kind.endswith(".angle") else LENGTHS
     unit = row.get("unit") or next(iter(units))
+    if not names and unit in ANGLES:  # a parameter may be either
+        units = ANGLES
     if unit not in units:
         what = "an angle" if units is ANGLES else "a length"
         raise PinpressError(f"unit {unit!r} is not a unit of {what}: write one of {', '.join(units)}")
@@ -161,7 +174,10 @@ def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float
         return pin_angle(press, names[0], names[1], names[2], tolerance, **options), per
     if kind == "position" and len(names) in (2, 3):
         return pin_position(press, names[0], names[1], tolerance, link=names[2] if len(names) == 3 else None, **options), per
-    raise PinpressError(f"{shown(row['dimension'])} is not a dimension: {WORDS}")
+    if of_table is not None and kind and not names:
+        return of_table(kind, tolerance, unit="rad" if units is ANGLES else "m", **options), per
+    words = WORDS if of_table is None else f"{WORDS}, {OF_TABLE}"
+    raise PinpressError(f"{shown(row['dimension'])} is not a dimension: {words}")
 
 
 def _number(row: Mapping[str, str], head: str) -> float:
