@@ -19,9 +19,11 @@ from ..dynamics.extremes import at_peaks
 from ..dynamics.inputs import described, inputs
 from ..dynamics.reactions import Reactions
 from ..dynamics.timing import TimingDiagram
+from ..elasticity.slide_under_load import DeflectedSlide
+from ..elasticity.unit_load import SlideCompliance
 from ..fe.link_loads import LinkLoads
 from ..jobs.bearings import pins_of
-from ..jobs.job import Job, stopping_results, traces_of
+from ..jobs.job import Job, on_springs, stopping_results, traces_of
 from ..mains.drive_choice import DriveChoice
 from ..ratings.along_motion import MotionRatings
 from ..ratings.emergency_stops import StoppingTimes
@@ -41,6 +43,8 @@ FILES = {
     StoppingTimes: "stopping.csv",
     DriveChoice: "drives.csv",
     TimingDiagram: "timing.csv",
+    SlideCompliance: "compliance.csv",
+    DeflectedSlide: "deflection.csv",
 }
 
 
@@ -52,10 +56,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         description="Turn a press through one period at constant speed (one turn of the crank, or with gears the number of turns after\n"
         "which the press repeats itself), or move one or several drivers by the table of motion. Prints slide, torque and forces; with\n"
         "capacities the permissible force; with sizes of bearings their pressure and life; with stopping the stops under the brake; with\n"
-        "mains a motor of a catalogue with its flywheel; with a flywheel its drop of speed; with a motor the steady state. With --out\n"
-        "also writes cycle.csv (every quantity in every state), ratings.csv and ratings.png, pins.csv, load_cases.csv and .inp,\n"
-        "stopping.csv, timing.csv, drives.csv, cam_height.txt and cam_angle.txt (for a controller), and the pages recording.html and\n"
-        "report.html.",
+        "mains a motor of a catalogue with its flywheel; with elastic how far the slide yields; with a flywheel its drop of speed; with a\n"
+        "motor the steady state. With --out also writes cycle.csv (every quantity in every state), ratings.csv and ratings.png, pins.csv,\n"
+        "load_cases.csv and .inp, stopping.csv, timing.csv, drives.csv, compliance.csv, deflection.csv, cam_height.txt and cam_angle.txt\n"
+        "(for a controller), and the pages recording.html and report.html.",
         epilog=SIGNS + SHORT + "pinpress analyse press.yaml --out out",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -81,6 +85,7 @@ def run(options: argparse.Namespace) -> int:
     results += [job.timing()] if "feed" in job.sections else []
     results += job.cam_tables() if "cam_table" in job.sections else []
     results += [job.choose_drive()] if "mains" in job.sections else []
+    results += on_springs(job) if "elastic" in job.sections else []
     more = [line for each in results for line in ("", str(each))]
     if "motion" not in job.sections and len(job.press.drivers) == 1 and job.press.driver_coordinates[0].turns:
         more += _of_flywheel(job, reactions) if job.flywheel is not None or job.motor is not None else []

@@ -47,6 +47,13 @@ def compliance(found: SlideCompliance, page: Reactions | None = None) -> tuple[S
         Table("shares", "", [Column("part", list(shares)), Column("share of the deflection", [*shares.values()], "share")]),
     ]
     note = "Displacement of the slide against the table along its guide under a force there, with the crank held; to first order."
+    if by_section := [f"{rod.name} of {rod.basis}" for rod in found.stiffness.rods if rod.basis]:
+        note += f" Rods by E A / l: {', '.join(by_section)}."
+    rigid = {
+        "links": [name for name in found._press.links if name not in (found._press.root, *(rod.link for rod in found.stiffness.rods))],
+        "bearings": [name for name in found._press.bearings if name not in found.stiffness.bearings],
+    }
+    note += "".join(f" Rigid {what}: {', '.join(names)}." for what, names in rigid.items() if names)
     return (Section("Elastic press", figures, blocks, stiffness_in_words(found.stiffness), note, found._press, "compliance"),)
 
 

@@ -9,9 +9,12 @@ from typing import Any
 from ..common.errors import PinpressError
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction
+from ..pin_table.building import DrawnPress
+from ..pin_table.rods import rods
 from ..ratings.pin_use import PlainBearing, RollingBearing
 from ..simulation.elastic.contact import Clearance
-from ..simulation.elastic.description import Elastic, Stiffness
+from ..simulation.elastic.description import Elastic, Rod, Stiffness
+from ..simulation.elastic.yielding import bearings_of_link
 from .grammar import ALL
 from .kinds import Bearing
 
@@ -102,21 +105,48 @@ def clearances_of(bearings: Mapping[str, Bearing]) -> Mapping[str, float]:
     return {name: each.clearance.radial for name, each in bearings.items() if isinstance(each.clearance, Clearance)}
 
 
-def stiffness_of(press: Linkage, bearings: Mapping[str, Bearing], elastic: Mapping[str, Any]) -> Stiffness:
-    """Stiffnesses of the bearings and guides that have some, of shaft and columns."""
+def stiffness_of(press: Linkage, drawn: DrawnPress | None, bearings: Mapping[str, Bearing], elastic: Mapping[str, Any]) -> Stiffness:
+    """Stiffnesses of the bearings and guides that have some, of rods, shaft and columns.
+
+    Raises:
+        PinpressError: a rod is none, or its section is not of steel and there is no modulus.
+    """
     across = {name: each.joint if each.joint is not None else each.stiffness for name, each in bearings.items()}
     turning = {name: each.moment_stiffness for name, each in bearings.items() if each.moment_stiffness is not None}
     known = {name: value for name, value in across.items() if value is not None}
-    return Stiffness(known, moments=turning, shaft=elastic.get("shaft"), frame=elastic.get("frame"))
+    stretching = _rods(press, drawn, elastic.get("modulus"), elastic.get("rods", {}))
+    return Stiffness(known, turning, stretching, elastic.get("shaft"), elastic.get("frame"))
+
+
+def _rods(press: Linkage, drawn: DrawnPress | None, modulus: float | None, given: Mapping[str, float | None]) -> list[Rod]:
+    """The rods with a section in the table, and those whose stiffness is given in place of it."""
+    if drawn is None and modulus is not None:
+        raise PinpressError("modulus is of the sections of a table of pins: leave it out, and write rods: {rod: 7 GN/m}")
+    found = {} if drawn is None else {rod.link: rod for rod in rods(drawn, modulus=modulus)}
+    for link, value in given.items():
+        _, ends = bearings_of_link(press, link)
+        if value is None:
+            found.pop(link, None)
+        elif len(ends) == 2:
+            one, other = (press.bearings[k] for k in ends)
+            found[link] = Rod(link, (one, other), value)
+        else:
+            raise PinpressError(f"rods: {link} has {len(ends)} bearings, and a rod has two: leave it out")
+    return list(found.values())
 
 
 def elastic_of(
-    press: Linkage, bearings: Mapping[str, Bearing], elastic: Mapping[str, Any], frame: Callable[[], Mapping[str, Any]]
+    press: Linkage,
+    drawn: DrawnPress | None,
+    bearings: Mapping[str, Bearing],
+    elastic: Mapping[str, Any],
+    frame: Callable[[], Mapping[str, Any]],
 ) -> Elastic:
     """The press on springs.
 
     Args:
         press: the press.
+        drawn: the press as its table draws it; None where it comes from another file.
         bearings: what is said of its bearings.
         elastic: damping ratio, shaft, columns and crown of the section ``elastic``.
         frame: gives the frame on its mounts, as arguments of `Elastic`.
@@ -124,7 +154,7 @@ def elastic_of(
     Raises:
         PinpressError: a bearing has no stiffness, or a guide none against turning.
     """
-    stiffness = stiffness_of(press, bearings, elastic)
+    stiffness = stiffness_of(press, drawn, bearings, elastic)
     for names, known, key in (
         (press.bearings, stiffness.bearings, "stiffness: 2 GN/m"),
         (_held_against_turning(press), stiffness.moments, "moment_stiffness: 200 MN m/rad"),

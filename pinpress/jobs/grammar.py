@@ -119,6 +119,14 @@ class BySide(Text):
         return {each["height"]: each[self.name] for each in Listed(self.part).read(entry, around)}
 
 
+class Stretch(Text):
+    """Stiffness of a link between its bearings, or ``rigid``."""
+
+    def read(self, entry: Entry, around: Around) -> Any:
+        """The stiffness [N/m]; None: rigid."""
+        return None if entry.value == "rigid" else Number("N/m").read(entry, around)
+
+
 class FramePoint(Text):
     """A point of the frame: x, y, z; with ``on`` of a part; or the name of an interface of a frame that bends."""
 
@@ -344,9 +352,11 @@ SECTIONS: Mapping[str, Section] = {
                 "shaft": Number("N m/rad"),
                 "frame": Either(Number("N/m"), JOINT),
                 "crown_mass": Number("kg"),
+                "modulus": Number("Pa"),
+                "rods": Named(Stretch(), "{rod: 7 GN/m}"),
             },
         ),
-        "Damping, shaft and columns of a press on springs; the stiffnesses of bearings stand with the bearings.",
+        "Damping, shaft, columns and rods of a press on springs; the stiffnesses of bearings stand with the bearings.",
         "elastic: {damping_ratio: 0.03, frame: 3 GN/m, crown_mass: 4 t}",
         by_keys=True,
     ),

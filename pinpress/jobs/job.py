@@ -256,7 +256,7 @@ class Job(Frozen):
         if "elastic" not in self.sections:
             return None
         with self._naming("elastic"):
-            return elastic_of(self.press, self.bearings, self.sections["elastic"], self._rigid_frame)
+            return elastic_of(self.press, self.drawn, self.bearings, self.sections["elastic"], self._rigid_frame)
 
     @cached_property
     def mounted(self) -> MountedPress | None:
@@ -727,7 +727,7 @@ def results_of(job: Job) -> Iterator[Tabular]:
         except SimulationError as error:  # a motor that is too weak; the rest of the page holds without it
             yield NoAnswer("Steady state under the motor", str(error))
     if "elastic" in has:
-        yield from _on_springs(job)
+        yield from on_springs(job)
     if "run" in has and not has["run"].get("steady"):
         yield job._run
     if "balance" in has:
@@ -771,13 +771,14 @@ def servo_results(job: Job) -> Iterator[Tabular]:
     yield capacitor(best.motion)
 
 
-def _on_springs(job: Job) -> Iterator[Tabular]:
+def on_springs(job: Job) -> Iterator[Tabular]:
     """Compliance of the slide, and its deflection in the motion."""
     from ..elasticity.slide_under_load import slide_deflection  # seldom needed
     from ..elasticity.unit_load import compliance
     from .bearings import stiffness_of
 
-    stiffness = stiffness_of(job.press, job.bearings, job.sections["elastic"])
+    with job._naming("elastic"):
+        stiffness = stiffness_of(job.press, job.drawn, job.bearings, job.sections["elastic"])
     if len(job.press.drivers) == 1:  # it is over the crank angle
         yield compliance(job.press, stiffness)
     yield slide_deflection(job.press, job.motion(), stiffness, loads=list(job.loads.values()))

@@ -75,6 +75,8 @@ SAID: Mapping[str, Mapping[str, str]] = {  # of keys that are no fields of a cla
         "shaft": "stiffness of the crankshaft against torsion",
         "frame": "stiffness of the columns below the crown, or their preloaded joint",
         "crown_mass": "mass of the crown on its columns; with frame",
+        "modulus": "modulus of elasticity of the sections in the table of pins; left out: that of steel",
+        "rods": "stiffness of a link between its two bearings, in place of its section, or rigid",
     },
     "foundation": {
         "frame": "the frame in one part, of beams, or of matrices; with crown its lower part",

@@ -52,6 +52,14 @@ class Guide:
     ends: Mapping[str, Array] = field(default_factory=dict)
 
 
+class CrossSection(NamedTuple):
+    """The section of a prism between the first two pins of a link: height and width [m], and its density [kg/m3]."""
+
+    height: float
+    width: float
+    density: float
+
+
 @dataclass(frozen=True, eq=False)
 class Link:
     """A link in the drawn pose, in world coordinates.
@@ -68,6 +76,7 @@ class Link:
         estimates: descriptions of the values that the table does not give.
         inertia_given: whether its moments of inertia are given.
         entry: where it stands in the table.
+        section: None if the table gives another solid, or none.
     """
 
     name: str
@@ -81,6 +90,7 @@ class Link:
     estimates: tuple[str, ...]
     inertia_given: bool
     entry: Entry
+    section: CrossSection | None
 
 
 class _Solid(NamedTuple):
@@ -159,7 +169,7 @@ class _Reader:
             guide = replace(guide, travel=self._travel(items["travel"]))
         masses = _Masses(self, items, entry, pins, guide)
         body, origin, axes = masses.body(), masses.points[0], masses.rotation
-        return Link(name, tuple(pins), guide, *body, origin, axes, tuple(masses.estimates), masses.inertia_given, entry)
+        return Link(name, tuple(pins), guide, *body, origin, axes, tuple(masses.estimates), masses.inertia_given, entry, masses.section)
 
     def _pins(self, items: Mapping[str, Entry], entry: Entry) -> list[str]:
         if "pins" not in items:
@@ -258,6 +268,7 @@ class _Masses:
         self.is_rod_or_plate = guide is None and len(pins) > 1
         self.inertia_given = "inertia" in items or "gyration" in items
         self.estimates: list[str] = []
+        self.section: CrossSection | None = None
 
     def body(self) -> _Body:
         """The link with the parts that are welded on."""
@@ -412,8 +423,13 @@ class _Masses:
     def _of_solid(self, kind: str) -> _Body:
         """A prism between the first two pins, a box or a disc."""
         centre = self._place(self.items["com"]) if "com" in self.items else None
-        solid = self._prism() if kind == "section" else self._solid(kind, self.items, self.points[0] if centre is None else centre)
         density = self.reader.density_of(self.items, self.reader.density)
+        if kind == "section":
+            height, width = self._lengths(self.items[kind], "section: height x width", 2)
+            self.section = CrossSection(height, width, density)
+            solid = self._prism(self.section)
+        else:
+            solid = self._solid(kind, self.items, self.points[0] if centre is None else centre)
         if "mass" in self.items:
             mass = self.numbers.above_zero(self.items["mass"], "a mass")
             self._doubt_mass(mass, solid.volume)
@@ -441,11 +457,9 @@ class _Masses:
         if "density" in items:
             items["density"].doubt("density has no effect, because the mass is given: leave out one of them")
 
-    def _prism(self) -> _Solid:
-        entry = self.items["section"]
-        height, width = self._lengths(entry, "section: height x width", 2)
+    def _prism(self, section: CrossSection) -> _Solid:
         if len(self.points) < 2:
-            entry.refuse("a section of a link with one pin", "give box or disc, or another pin")
+            self.items["section"].refuse("a section of a link with one pin", "give box or disc, or another pin")
         start, end = self.points[:2]
         length = float(np.linalg.norm(end - start))
         if not length > 0:
@@ -453,7 +467,7 @@ class _Masses:
         whole = length + 2 * self.numbers.length(self.items["overhang"]) if "overhang" in self.items else length
         if whole <= 0:
             self.items["overhang"].refuse("nothing is left of the link", "write a larger overhang")
-        return _box((whole, width, height), (start + end) / 2, axes_along(end - start))
+        return _box((whole, section.width, section.height), (start + end) / 2, axes_along(end - start))
 
     def _solid(self, kind: str, items: Mapping[str, Entry], centre: Array) -> _Solid:
         if kind == "box":

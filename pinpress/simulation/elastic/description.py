@@ -31,11 +31,13 @@ class Rod:
         link: name of the link.
         between: names of the two bearings.
         stiffness: stiffness E A / l between the bearings [N/m], or a `PreloadedJoint`, such as a die-height screw and its lock.
+        basis: from what the stiffness was computed, as text in results; empty: it was given.
     """
 
     link: str
     between: tuple[str, str]
     stiffness: float | PreloadedJoint
+    basis: str = ""
 
     @property
     def name(self) -> str:

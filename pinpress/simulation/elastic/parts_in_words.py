@@ -17,7 +17,7 @@ def stiffness_in_words(stiffness: Stiffness) -> Inputs:
     """The stiffnesses of a press's parts; equal ones stand together."""
     rows: list[tuple[str, float | PreloadedJoint, str]] = [(name, value, "N/m") for name, value in stiffness.bearings.items()]
     rows += [(f"{name}, turning", value, "N m/rad") for name, value in stiffness.moments.items()] if stiffness.moments else []
-    rows += [(rod.name, rod.stiffness, "N/m") for rod in stiffness.rods]
+    rows += [(f"{rod.name}{rod.basis and f', {rod.basis}'}", rod.stiffness, "N/m") for rod in stiffness.rods]
     rows += [] if stiffness.shaft is None else [("shaft", stiffness.shaft, "N m/rad")]
     rows += [] if stiffness.frame is None else [("frame", stiffness.frame, "N/m")]
     names: dict[str, list[str]] = {}

@@ -79,18 +79,23 @@ def rod_ends(press: Linkage, rod: Rod) -> RodEnds:
         UnknownNameError: the linkage has no such link or bearing.
         PinpressError: the names are not those of two bearings of the link.
     """
-    joint = link_joint(press, rod.link)
     if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
         raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
     ends = bearing_number(press, rod.between[0]), bearing_number(press, rod.between[1])
-    acting = (*map(int, list(press.model.parents)[1:]), *(loop.joint1 for loop in press.loops))
-    both = enumerate(zip(loaded_bodies(press), acting, strict=True))
-    signs = {k: 1.0 if joint == loaded else -1.0 for k, (loaded, other) in both if joint in (loaded, other)}
+    joint, signs = bearings_of_link(press, rod.link)
     for end in ends:
         if end not in signs:
             names = ", ".join(press.bearings[k] for k in signs)
             raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[end])} is not on that link; there are: {names}")
     return RodEnds(joint, ends, signs)
+
+
+def bearings_of_link(press: Linkage, link: str) -> tuple[int, dict[int, float]]:
+    """Joint of a link, and `RodEnds.signs` of its bearings; raises UnknownNameError where the linkage has no such link."""
+    joint = link_joint(press, link)
+    acting = (*map(int, list(press.model.parents)[1:]), *(loop.joint1 for loop in press.loops))
+    both = enumerate(zip(loaded_bodies(press), acting, strict=True))
+    return joint, {k: 1.0 if joint == loaded else -1.0 for k, (loaded, other) in both if joint in (loaded, other)}
 
 
 def refuse_meeting(press: Linkage, rod: str, length: float | Array) -> None:

@@ -410,6 +410,7 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
     "job": {"file": "crank_slide", "speed": 7.0, "loads": {"draw": every_result.DEEP}, "set": ["zero=tdc"], "variant": None},
     "pin_table.draft": PIN_TABLE_KEYS,
     "pin_table.dimension": {"drawn": Late(lambda: pp.pin_table.draft(**PIN_TABLE)), "number_name": "r", "tolerance": 1e-5},
+    "pin_table.rods": {"drawn": Late(lambda: pp.pin_table.draft(**PIN_TABLE)), "modulus": 2e11},
     "plots.save": {"figure": Late(lambda: pp.plots.draw(motion(), "position")), "path": FOLDER / "plot.svg"},
     "ratings": {"capacities": CAPACITIES, "points": 9, "offset": (0.01, 0.0, 0.0), "gibs": pp.ratings.Gibs(0.5, 0.1), "pressure": 1e6},
     "ratings.rate": {"contact_height": 0.01, "dwell_tolerance": 1e-3},
