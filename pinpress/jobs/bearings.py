@@ -11,6 +11,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction
 from ..pin_table.building import DrawnPress
 from ..pin_table.rods import rods
+from ..ratings.eccentric_loads import Gibs
 from ..ratings.pin_use import PlainBearing, RollingBearing
 from ..simulation.elastic.contact import Clearance
 from ..simulation.elastic.description import Elastic, Rod, Stiffness
@@ -19,6 +20,7 @@ from .grammar import ALL
 from .kinds import Bearing
 
 OF_PINS = ("radius", "diameter", "width", "clearance", "pressure", "wear_rate", "rolling")  # of which `all` says nothing to guides
+OF_GUIDES = ("length", "middle")
 OF_FRICTION = ("friction", "viscous", "preload")
 
 
@@ -32,6 +34,9 @@ def bearings_of(press: Linkage, given: Mapping[str, Bearing]) -> Mapping[str, Be
     for name, what in (("viscous", "has another unit in a guide than in a pin"), ("preload", "is the force of a guide's gibs")):
         if getattr(every, name) is not None:
             raise PinpressError(f"{ALL}: {name} {what}: write it at each bearing by its name")
+    for name, each in given.items():
+        if name in press.bearings:
+            _refuse_unfit_sizes(name, each, turns(press, name))
     found = {name: _over(every, given.get(name, Bearing()), _unfit(press, name)) for name in press.bearings}
     return {name: each for name, each in found.items() if each != Bearing()}
 
@@ -46,9 +51,20 @@ def _over(every: Bearing, own: Bearing, unfit: tuple[str, ...]) -> Bearing:
 
 def _unfit(press: Linkage, name: str) -> tuple[str, ...]:
     """What is said of all and does not hold of this bearing."""
-    unfit: tuple[str, ...] = () if turns(press, name) else OF_PINS
+    unfit: tuple[str, ...] = OF_GUIDES if turns(press, name) else OF_PINS
     unfit += () if name not in _welded(press) else OF_FRICTION
     return unfit if name in _held_against_turning(press) else (*unfit, "moment_stiffness")
+
+
+def _refuse_unfit_sizes(name: str, given: Bearing, turning: bool) -> None:
+    """Refuse sizes of a pin at a guide, those of a guide at a pin, and a guide of which only length or only width is given."""
+    for key in OF_GUIDES if turning else ("diameter", "rolling"):
+        if getattr(given, key) is not None:
+            right = "is a pin: write diameter: 80 mm, width: 80 mm" if turning else "is a guide: write length: 400 mm, width: 120 mm"
+            raise PinpressError(f"{name}: {key}, but {name} {right}")
+    if not turning and (given.length is None) != (given.width is None):
+        lacking = "length: 400 mm" if given.length is None else "width: 120 mm"
+        raise PinpressError(f"{name}: the pressure on a guide needs its length and its width; add {lacking}")
 
 
 def turns(press: Linkage, name: str) -> bool:
@@ -88,15 +104,17 @@ def frictions_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str
     return found
 
 
-def pins_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str, PlainBearing | RollingBearing]:
-    """The bearings to rate: those that roll, and all other pins with diameter and width."""
+def pins_of(press: Linkage, bearings: Mapping[str, Bearing]) -> Mapping[str, PlainBearing | RollingBearing | Gibs]:
+    """The bearings to rate: those that roll, all other pins with diameter and width, and guides with length and width."""
     unfit = _welded(press) | {loop.name for loop in press.loops if loop.type == "spherical" and "plane" not in press.engines}
-    found: dict[str, PlainBearing | RollingBearing] = {}
+    found: dict[str, PlainBearing | RollingBearing | Gibs] = {}
     for name, each in bearings.items():
         if each.rolling is not None:
             found[name] = each.rolling
         elif each.diameter is not None and each.width is not None and turns(press, name) and name not in unfit:
             found[name] = PlainBearing(each.diameter, each.width, each.pressure, each.wear_rate)
+        elif each.length is not None and each.width is not None:
+            found[name] = Gibs(each.length, each.width, middle=each.middle or 0.0, pressure=each.pressure, wear_rate=each.wear_rate)
     return found
 
 

@@ -168,15 +168,17 @@ class Bearing(Checked):
         preload: force with which all gibs of a guide press on the slide without a load [N].
         radius: of friction [m]; None: half of the diameter.
         diameter: of the pin [m].
-        width: of the bearing [m].
+        width: of the bearing, of a guide across its axis [m].
+        length: of the gibs of a guide along its axis [m].
+        middle: middle of the gibs above the link's origin, along the guide's axis [m]; None: 0.
         stiffness: across the axis [N/m].
         moment_stiffness: against turning [N m/rad].
         clearance: of a pin, or None.
         joint: preloaded gibs of a guide, in place of its stiffness, or None.
         permissible: largest force [N].
-        pressure: permissible, of the projected surface of a pin [Pa].
+        pressure: permissible, of the projected surface of a pin or of the gibs of a guide [Pa].
         wear_rate: worn volume / (force x rubbing way) [1/Pa].
-        rolling: rolling bearings on the pin, or None. Other pins with diameter and width are plain bearings.
+        rolling: rolling bearings on the pin, or None. Other pins with diameter and width, and guides with length and width, are rated too.
     """
 
     friction: float | None = field(default=None, metadata=parameter("-", "not negative"))
@@ -185,6 +187,8 @@ class Bearing(Checked):
     radius: float | None = field(default=None, metadata=parameter("m", "not negative"))
     diameter: float | None = field(default=None, metadata=parameter("m", "positive"))
     width: float | None = field(default=None, metadata=parameter("m", "positive"))
+    length: float | None = field(default=None, metadata=parameter("m", "positive"))
+    middle: float | None = field(default=None, metadata=parameter("m"))
     stiffness: float | None = field(default=None, metadata=parameter("N/m", "positive"))
     moment_stiffness: float | None = field(default=None, metadata=parameter("N m/rad", "positive"))
     clearance: Clearance | None = None

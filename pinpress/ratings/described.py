@@ -248,33 +248,37 @@ def _degrees(angle: float) -> str:
 
 
 def pins(result: PinRatings, page: object = None) -> tuple[Section, ...]:
-    """Plain and rolling bearings of a press in a motion."""
-    first = result._press.driver_coordinates[0]
-    plain = [each for each in result.uses.values() if each.rubbing_way is not None]
-    rolling = [each for each in result.uses.values() if each.rubbing_way is None]
+    """Plain bearings, guides and rolling bearings of a press in a motion."""
+    first, uses = result._press.driver_coordinates[0], result.uses.values()
+    guides = [each for each in uses if each.largest_tilting is not None]
+    plain = [each for each in uses if each.rubbing_way is not None and each not in guides]
+    rolling = [each for each in uses if each.rubbing_way is None]
     figures, tables = [], []
-    if plain:
-        pressed, rubbed = max(plain, key=lambda each: each.largest_pressure or 0.0), max(plain, key=lambda each: each.pv or 0.0)
-        limit = getattr(result.bearings[pressed.bearing], "pressure", None)
-        figures.append(Figure("largest pressure", pressed.largest_pressure or 0.0, "Pa", f"in {pressed.bearing}", limit, kind="bearing"))
+    for some, name in ((plain, "largest pressure"), (guides, "largest pressure on a guide")):
+        if some:
+            pressed = max(some, key=lambda each: each.largest_pressure or 0.0)
+            limit = getattr(result.bearings[pressed.bearing], "pressure", None)
+            figures.append(Figure(name, pressed.largest_pressure or 0.0, "Pa", f"in {pressed.bearing}", limit, kind="bearing"))
+    if rubbing := plain + guides:
+        rubbed = max(rubbing, key=lambda each: each.pv or 0.0)
         figures.append(Figure("largest mean p v", rubbed.pv or 0.0, "p v", f"in {rubbed.bearing}"))
-        limits = [getattr(result.bearings[each.bearing], "pressure", None) for each in plain]
-        worn = [None if each.wear is None else MILLION * each.wear for each in plain]
+    of_pins, of_guides = "Pressure: of the projected surface", "Pressure: at the end of the gibs"
+    for some, name, pressure in ((plain, "Plain bearings", of_pins), (guides, "Guides", of_guides)):
+        limits = [getattr(result.bearings[each.bearing], "pressure", None) for each in some]
+        worn = [None if each.wear is None else MILLION * each.wear for each in some]
         columns = [
-            *_forces_of(plain, first),
-            Column("largest pressure", [each.largest_pressure for each in plain], "Pa"),
+            *_forces_of(some, first),
+            *([Column("largest tilting moment", [each.largest_tilting for each in some], "N m")] if some is guides else []),
+            Column("largest pressure", [each.largest_pressure for each in some], "Pa"),
             *([Column("permissible", limits, "Pa")] if any(limits) else []),
-            Column("mean pressure", [each.pressure for each in plain], "Pa"),
-            Column("mean p v", [each.pv for each in plain], "p v"),
-            Column("largest p v", [each.largest_pv for each in plain], "p v"),
-            Column("rubbing way", [each.rubbing_way for each in plain], "height"),
+            Column("mean pressure", [each.pressure for each in some], "Pa"),
+            Column("mean p v", [each.pv for each in some], "p v"),
+            Column("largest p v", [each.largest_pv for each in some], "p v"),
+            Column("rubbing way", [each.rubbing_way for each in some], "height"),
             *([Column("wear in a million strokes", worn, "m")] if any(worn) else []),
         ]
-        tables.append(
-            Table(
-                "plain_bearings", "Plain bearings", columns, "Way: of a stroke. Pressure: of the projected surface; 1 W/mm² is 1 MPa m/s."
-            )
-        )
+        note = f"Way: of a stroke. {pressure}; 1 W/mm² is 1 MPa m/s."
+        tables += [Table(name.lower().replace(" ", "_"), name, columns, note)] if some else []
     if rolling:
         shortest = min(rolling, key=lambda each: each.hours or 0.0)
         figures.append(

@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common import tables
-from ..common.arguments import positive, suitable_numbers, typed
+from ..common.arguments import number, positive, suitable_numbers, typed
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
@@ -44,9 +44,11 @@ class Gibs:
         normal: (3,) direction in which the gibs face, in world axes; None: across the guide in the plane of a planar press.
         middle: middle of the gibs' length, above the slide link's origin along the guide's axis [m].
         one_sided: True: with clearance, so that only one gib is in contact and may lift off. False: two gibs without clearance.
+        pressure: permissible pressure, for `pins` [Pa]; None: no limit.
+        wear_rate: worn volume / (force x rubbing way), for `pins`, as in `PlainBearing` [1/Pa]; None: no wear is computed.
 
     Raises:
-        PinpressError: a length or width is not positive, the normal is not a direction, or the middle is not a finite number.
+        PinpressError: a length, width or pressure is not positive, the normal is not a direction, or the middle is not a finite number.
     """
 
     length: float
@@ -54,10 +56,15 @@ class Gibs:
     normal: tuple[float, float, float] | None = None
     middle: float = 0.0
     one_sided: bool = False
+    pressure: float | None = None
+    wear_rate: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("length", "width"):
-            object.__setattr__(self, name, positive(f"the gibs' {name}", getattr(self, name), "m"))
+        for name, unit in (("length", "m"), ("width", "m"), ("pressure", "Pa")):
+            if getattr(self, name) is not None or unit == "m":
+                object.__setattr__(self, name, positive(f"the gibs' {name}", getattr(self, name), unit))
+        if self.wear_rate is not None:
+            object.__setattr__(self, "wear_rate", number("the gibs' wear_rate", self.wear_rate, "1/Pa", positive=True))
         suitable_numbers("the gibs' middle", self.middle, "a finite number [m]")
         if self.normal is not None:
             suitable_numbers("the gibs' normal", self.normal, "a direction of three finite numbers, e.g. (1, 0, 0)", (3,), np.any)
@@ -131,7 +138,7 @@ def eccentric_load(
     name, axis = _slide_guide(press)
     found = _guide_reaction(press, motion, newtons * axis, point, gibs, engine)
     normal, tilting = found.force @ across[0], found.moment @ across[1]
-    pressure, contact = _pressure(gibs, normal, tilting, motion)
+    pressure, contact = gib_pressure(gibs, normal, tilting, motion)
     open_moments = found.reactions.indeterminate[name][3:]
     return GuideReaction(
         guide=name,
@@ -247,7 +254,7 @@ def _guide_reaction(press: Linkage, motion: Motion, force: Array, offset: Array,
     return _Reaction(reaction, moment, found)
 
 
-def _pressure(gibs: Gibs, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:
+def gib_pressure(gibs: Gibs, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:
     """Largest pressure on a gib (n,) [Pa], and share of the length in contact (n,)."""
     n, m, area = np.abs(normal), np.abs(tilting), gibs.length * gibs.width
     linear = n / area + 6 * m / (area * gibs.length)

@@ -1,4 +1,4 @@
-"""Pins and rolling bearings: pressure, rubbing way, wear, equivalent load and life, from the forces and the true turn between two links.
+"""Pins, guides, rolling bearings: pressure, rubbing way, wear, equivalent load and life, from forces and the turn between two links.
 
 Every sum over the motion is an integral between the edges of loads and the reversals of each bearing, where force or speed jump. A sum over
 equal states would be wrong for a blow of a few degrees.
@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from ..common.arguments import expect, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
@@ -21,12 +23,13 @@ from ..common.results import Record, Records, Tabular
 from ..common.tables import Columns
 from ..dynamics.applied_loads import RelativeTurn, turn_between
 from ..dynamics.extremes import at_peaks
-from ..dynamics.peaks import integration_states
+from ..dynamics.peaks import integration_states, peak_states
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, is_cycle
 from ..kinematics.poses import rotation_of
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage, OfPress
+from .eccentric_loads import DIRECTION, Gibs, gib_pressure
 
 EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}  # of life by load, ISO 281
 FRETTING = math.radians(5.0)  # below a swing of about this size rolling bearings fret, and the life of ISO 281 says nothing
@@ -73,27 +76,36 @@ class RollingBearing(Checked):
 
 
 UNITS = {"largest_force": "N", "at": "rad", "way": "rad", "swing": "rad", "rubbing_way": "m", "largest_pressure": "Pa", "pressure": "Pa"}
-UNITS |= {"pressure_over_way": "Pa", "pv": "W/m2", "largest_pv": "W/m2", "wear": "m", "equivalent_load": "N", "hours": "h"}
+UNITS |= {
+    "pressure_over_way": "Pa",
+    "pv": "W/m2",
+    "largest_pv": "W/m2",
+    "wear": "m",
+    "largest_tilting": "N m",
+    "equivalent_load": "N",
+    "hours": "h",
+}
 
 
 @dataclass(frozen=True, repr=False)
 class PinUse(Record, units=UNITS):
     """How a motion uses a bearing. A stroke is a stroke of the slide; without a slide, and in motions that are not a period, it is the
-    whole motion.
+    whole motion. In each state the pressure of a guide is that at the end of the gibs where it is largest, by force and tilting moment.
 
     Attributes:
         bearing: its name.
-        largest_force: largest force across the pin's axis [N].
+        largest_force: largest force across the pin's axis, of a guide along the normal of its gibs [N].
         at: angle or position of the first driver there [rad or m].
-        way: angle by which the links turn relative to each other in a stroke, forwards and backwards added up [rad].
-        swing: from one end of the swing to the other [rad]; None if the bearing turns fully.
-        rubbing_way: way x half the diameter [m]; this and the next ones are None for a rolling bearing.
-        largest_pressure: largest force / (diameter x width) [Pa].
+        way: angle by which the links turn relative to each other in a stroke, forwards and backwards added up [rad]; None for a guide.
+        swing: from one end of the swing to the other [rad]; None for a guide, and if the bearing turns fully.
+        rubbing_way: way x half the diameter, of a guide its travel [m]; this and the next ones are None for a rolling bearing.
+        largest_pressure: largest force / (diameter x width), of a guide at the end of a gib [Pa].
         pressure: mean over time [Pa].
         pressure_over_way: mean over the way [Pa].
         pv: mean over time of pressure x rubbing speed [W/m2]; 1e6 W/m2 are 1 MPa m/s.
         largest_pv: largest pressure x rubbing speed [W/m2].
         wear: mean depth worn off the projected surface in a stroke [m]; None without a wear rate.
+        largest_tilting: largest tilting moment of a guide about the middle of its gibs [N m]; None for a pin.
         equivalent_load: P of one bearing, the mean of its force over the way with the exponent of life [N]; this and the next ones are None
             for a plain bearing.
         strokes: L10, strokes that 90 % of such bearings survive [-]; infinite without force or way.
@@ -104,7 +116,7 @@ class PinUse(Record, units=UNITS):
     bearing: str
     largest_force: float
     at: float
-    way: float
+    way: float | None = None
     swing: float | None = None
     rubbing_way: float | None = None
     largest_pressure: float | None = None
@@ -113,6 +125,7 @@ class PinUse(Record, units=UNITS):
     pv: float | None = None
     largest_pv: float | None = None
     wear: float | None = None
+    largest_tilting: float | None = None
     equivalent_load: float | None = None
     strokes: float | None = None
     hours: float | None = None
@@ -121,7 +134,7 @@ class PinUse(Record, units=UNITS):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PinRatings(OfPress, Tabular):
-    """How a motion uses pins and rolling bearings.
+    """How a motion uses pins, guides and rolling bearings.
 
     Attributes:
         press_name: name of the press.
@@ -131,7 +144,7 @@ class PinRatings(OfPress, Tabular):
     """
 
     _press: Linkage
-    bearings: Mapping[str, PlainBearing | RollingBearing]
+    bearings: Mapping[str, PlainBearing | RollingBearing | Gibs]
     uses: Mapping[str, PinUse]
     stroke_time: float
 
@@ -150,8 +163,8 @@ class PinRatings(OfPress, Tabular):
 
 
 @typed
-def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBearing]) -> PinRatings:
-    """Rate pins and rolling bearings: pressure, p v, rubbing way, wear, equivalent load, life and static safety.
+def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBearing | Gibs]) -> PinRatings:
+    """Rate pins, guides and rolling bearings: pressure, p v, rubbing way, wear, equivalent load, life and static safety.
 
     The life is that of ISO 281 without factors for lubricant and reliability, by Palmgren and Miner over the true turn between the two
     links of each bearing, so the formula is the same for turning and swinging bearings. It is not valid for swings in which no rolling
@@ -159,12 +172,12 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
 
     Args:
         reactions: reactions of all bearings to a motion with times.
-        bearings: name of a bearing -> `PlainBearing` or `RollingBearing`.
+        bearings: name of a bearing -> `PlainBearing` or `RollingBearing`; of a guide -> `Gibs`.
 
     Raises:
         UnknownNameError: the press has no such bearing.
-        PinpressError: a bearing is a guide, a fixed loop, a loop in space without one axis, or neither `PlainBearing` nor
-            `RollingBearing`, the reactions leave out a bearing, or the motion has no times.
+        PinpressError: a bearing is a fixed loop, a loop in space without one axis, or has another kind of size than its own; the slide tips
+            on a single gib; the gibs do not face across the guide; the reactions leave out a bearing, or the motion has no times.
 
     Warns:
         PinpressWarning: a load rating is below the largest force, or a rolling bearing swings by less than 5 deg.
@@ -178,7 +191,11 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
 
     uses = {}
     for name, turn in turns.items():
-        given, force, rate = bearings[name], _across(states, name, turn), np.abs(turn.angle(states.motion.v))
+        given, rate = bearings[name], np.abs(turn.angle(states.motion.v))
+        if isinstance(given, Gibs):
+            uses[name] = _of_guide(reactions, name, given, turn, states, weight, strokes)
+            continue
+        force = _across(states, name, turn)
         at_peak = _across(peaks, name, turn)
         worst = int(at_peak.argmax())
         largest, angle = float(at_peak[worst]), turn.angle(states.motion.joint_position)
@@ -189,27 +206,82 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
         if isinstance(given, PlainBearing):
             speed = 0.5 * given.diameter * rate
             most = 0.5 * given.diameter * float((at_peak * np.abs(turn.angle(peaks.motion.v))).max())
-            uses[name] = _of_pin(use, given, force, speed, weight, strokes, max(most, float((force * speed).max())))
+            area = given.diameter * given.width
+            largest = max(most, float((force * speed).max())) / area
+            pressed = replace(use, largest_pressure=use.largest_force / area, largest_pv=largest)
+            uses[name] = _rubbed(pressed, given.wear_rate, force / area, speed, weight, strokes)
         else:
             uses[name] = _of_rolling(use, given, force / given.count, rate, weight, strokes)
     return PinRatings(press, FrozenMapping(bearings), FrozenMapping(uses), time / strokes)
 
 
-def _of_pin(use: PinUse, pin: PlainBearing, force: Array, speed: Array, weight: Array, strokes: float, largest: float) -> PinUse:
-    """The use of a plain bearing under forces (n,) at rubbing speeds (n,) with weights in time (n,) [s]; ``largest`` product [W]."""
-    area, time = pin.diameter * pin.width, float(weight.sum())
-    rubbed = float(weight @ (force * speed))  # N m
-    way = float(weight @ speed)
-    more = {
-        "rubbing_way": way / strokes,
-        "largest_pressure": use.largest_force / area,
-        "pressure": float(weight @ force) / time / area,
-        "pressure_over_way": rubbed / way / area if way else None,
-        "pv": rubbed / time / area,
-        "largest_pv": largest / area,
-        "wear": None if pin.wear_rate is None else pin.wear_rate * rubbed / strokes / area,
-    }
-    return PinUse(**{each.name: getattr(use, each.name) for each in fields(PinUse)} | more)
+def _rubbed(use: PinUse, wear_rate: float | None, pressure: Array, speed: Array, weight: Array, strokes: float) -> PinUse:
+    """The use with means of pressures (n,) [Pa] and rubbing speeds (n,) [m/s], with weights in time (n,) [s]."""
+    time, rubbed, way = float(weight.sum()), float(weight @ (pressure * speed)), float(weight @ speed)
+    return replace(
+        use,
+        rubbing_way=way / strokes,
+        pressure=float(weight @ pressure) / time,
+        pressure_over_way=rubbed / way if way else None,
+        pv=rubbed / time,
+        wear=None if wear_rate is None else wear_rate * rubbed / strokes,
+    )
+
+
+class _GibLoad(NamedTuple):
+    """Load on the gibs of a guide in n states.
+
+    Attributes:
+        normal: (n,) size of the force along the gibs' normal [N].
+        tilting: (n,) size of the moment about the middle of the gibs [N m].
+        pressure: (n,) largest pressure [Pa].
+    """
+
+    normal: Array
+    tilting: Array
+    pressure: Array
+
+
+def _on_gibs(reactions: Reactions, name: str, gibs: Gibs) -> _GibLoad:
+    """The load on the gibs of a guide.
+
+    Raises:
+        PinpressError: the gibs do not face across the guide, or no plane says how they face; the slide tips on a single gib.
+    """
+    press, motion = reactions._press, reactions.motion
+    body = press.joints.index(name) + 1
+    link = press.model.frames[press.model.getFrameId(press.link_of(body), pin.BODY)]
+    rotation = rotation_of(press, motion.joint_position, body)
+    axis = rotation @ press.axes[body - 1].direction
+    if gibs.normal is None:
+        refusal = f"{press.name} is not planar: give the direction in which the gibs of {name} face, Gibs(..., normal=(x, y, z))"
+        normal = np.cross(press.plane_or_refuse(refusal).normal, axis)
+    else:
+        normal = np.broadcast_to(np.array(gibs.normal) / np.linalg.norm(gibs.normal), axis.shape)
+        if np.abs(np.einsum("nk,nk->n", normal, axis)).max() > DIRECTION:
+            raise PinpressError(f"the gibs' normal {list(gibs.normal)} is not across the axis of {name}: gibs face across it")
+    middle = rotation @ link.placement.translation + gibs.middle * axis  # the moment is about the joint frame's origin
+    force = reactions.bearing_force[name]
+    moment = reactions.bearing_moment[name] - np.cross(middle, force)
+    across, tilting = (np.abs(np.einsum("nk,nk->n", *pair)) for pair in ((force, normal), (moment, np.cross(axis, normal))))
+    return _GibLoad(across, tilting, gib_pressure(gibs, across, tilting, motion)[0])
+
+
+def _of_guide(reactions: Reactions, name: str, gibs: Gibs, turn: RelativeTurn, states: Reactions, weight: Array, strokes: float) -> PinUse:
+    """The use of a guide, with means over states with weights in time (n,) [s]."""
+    pressure, speed = _on_gibs(states, name, gibs).pressure, np.abs(turn.angle(states.motion.v))
+    peaks = peak_states(reactions, lambda found: _on_gibs(found, name, gibs)).reactions
+    most, fastest = _on_gibs(peaks, name, gibs), np.abs(turn.angle(peaks.motion.v))
+    worst = int(most.pressure.argmax())
+    use = PinUse(
+        name,
+        float(most.normal.max()),
+        float(np.ravel(peaks.motion.crank_angle[worst])[0]),
+        largest_pressure=float(most.pressure[worst]),
+        largest_pv=max(float((pressure * speed).max()), float((most.pressure * fastest).max())),
+        largest_tilting=float(most.tilting.max()),
+    )
+    return _rubbed(use, gibs.wear_rate, pressure, speed, weight, strokes)
 
 
 def _of_rolling(use: PinUse, bearing: RollingBearing, force: Array, rate: Array, weight: Array, strokes: float) -> PinUse:
@@ -224,30 +296,36 @@ def _of_rolling(use: PinUse, bearing: RollingBearing, force: Array, rate: Array,
     # relative to the rating, so that no power overflows
     damage = float(weight @ ((force / bearing.rating) ** exponent * rate))
     life = 1e6 * 2 * np.pi * strokes / damage if damage else math.inf
-    more = {
-        "equivalent_load": bearing.rating * (damage / turned) ** (1 / exponent) if turned else None,
-        "strokes": life,
-        "hours": life * float(weight.sum()) / strokes / 3600,
-        "static_safety": None if bearing.static_rating is None or not peak else bearing.static_rating / peak,
-    }
-    return PinUse(**{each.name: getattr(use, each.name) for each in fields(PinUse)} | more)
+    return replace(
+        use,
+        equivalent_load=bearing.rating * (damage / turned) ** (1 / exponent) if turned else None,
+        strokes=life,
+        hours=life * float(weight.sum()) / strokes / 3600,
+        static_safety=None if bearing.static_rating is None or not peak else bearing.static_rating / peak,
+    )
 
 
 def _turn(press: Linkage, name: str, given: object) -> RelativeTurn:
-    """How the two links of a bearing turn against each other."""
+    """How the two links of a bearing turn against each other, or how those of a guide slide."""
     if name not in press.bearings:
         raise UnknownNameError("bearing", name, press.bearings)
-    if not isinstance(given, PlainBearing | RollingBearing):
-        raise PinpressError(f"bearings of {shown(name)} is {shown(given)}: give a PlainBearing or a RollingBearing")
+    if not isinstance(given, PlainBearing | RollingBearing | Gibs):
+        raise PinpressError(f"bearings of {shown(name)} is {shown(given)}: give a PlainBearing or a RollingBearing, of a guide Gibs")
+    slides = name in press.joints and not press.axes[press.joints.index(name)].turns
+    if slides != isinstance(given, Gibs):
+        what = "a guide: give Gibs(length, width)" if slides else "a pin, which has no gibs: give PlainBearing(diameter, width)"
+        raise PinpressError(f"{name} is {what}")
     if name in press.joints:
         joint = press.joints.index(name)
         bodies = press.model.parents[joint + 1], joint + 1
+        if slides:
+            return RelativeTurn(bodies, press.axes[joint].direction, np.eye(len(press.axes))[joint])
     else:
         loop = next(loop for loop in press.loops if loop.name == name)
         bodies = loop.joint1, loop.joint2
     turn = turn_between(press, bodies, f"bearing {name}: between its links", "leave it out")
     if turn is None:
-        raise PinpressError(f"{name} does not turn: rate a guide with eccentric_load(press, motion, ..., gibs=Gibs(length, width))")
+        raise PinpressError(f"{name} does not turn: leave it out")
     return turn
 
 

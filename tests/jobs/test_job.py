@@ -127,6 +127,23 @@ def test_pins_of_a_job_are_those_of_the_library_and_all_says_nothing_to_guides()
         pp.job("crank_slide", speed=5.0).pins()
 
 
+def test_guides_of_a_job_are_those_of_the_library() -> None:
+    sizes = {"slide_guide": {"length": "300 mm", "width": "100 mm", "middle": "60 mm", "pressure": "2 MPa"}}
+    job = pp.job("crank_slide", speed=10.0, points=36, bearings={**sizes, "all": {"diameter": "80 mm", "pressure": "40 MPa"}})
+    gibs = pp.ratings.Gibs(0.3, 0.1, middle=0.06, pressure=2e6)
+    assert dict(job.pins().uses) == dict(pp.ratings.pins(job.reactions(), {"slide_guide": gibs}).uses)
+    assert "largest pressure on a guide" in str(job.pins())
+    for bearings, message in (
+        ({"slide_guide": {"diameter": "80 mm"}}, "slide_guide: diameter, but slide_guide is a guide; write length: 400 mm, width: 120 mm"),
+        ({"slide_guide": {"rolling": {"rating": "1 kN"}}}, "slide_guide: rolling, but slide_guide is a guide; write length"),
+        ({"slide_guide": {"width": "80 mm"}}, "slide_guide: the pressure on a guide needs its length and its width; add length: 400 mm"),
+        ({"slide_guide": {"length": "80 mm"}}, "the pressure on a guide needs its length and its width; add width: 120 mm"),
+        ({"W": {"length": "80 mm"}}, "W: length, but W is a pin; write diameter: 80 mm, width: 80 mm"),
+    ):
+        with pytest.raises(pp.PinpressError, match=message):
+            pp.job("crank_slide", speed=10.0, bearings=bearings)
+
+
 def test_load_cases_of_a_job_are_those_of_the_library(tmp_path: Path) -> None:
     job = pp.job("crank_slide", speed=5.0, fe={"link": "rod", "at": "30 60 deg"})
     by_library = pp.fe.load_cases(job.press, job.reactions(), "rod", np.radians([30.0, 60.0]))

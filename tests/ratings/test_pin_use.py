@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.ratings import PlainBearing, RollingBearing, pins
+from pinpress.ratings import Gibs, PlainBearing, RollingBearing, pins
 
 SIZES = {"O": (0.12, 0.10), "P": (0.10, 0.08), "W": (0.08, 0.08)}
 RATINGS = {"O": 800e3, "P": 600e3, "W": 500e3}
@@ -76,10 +78,49 @@ def test_a_swing_under_a_constant_load_lives_as_catalogues_print_it() -> None:
     assert use.strokes == pytest.approx(1e6 * 10**3 * 180 / math.degrees(0.6), rel=6e-4)
 
 
+LENGTH, WIDTH, MIDDLE = 0.3, 0.1, 0.06
+
+
+@pytest.mark.parametrize("points", [60, 77])
+def test_a_guide_of_a_massless_crank_slide(points: int) -> None:
+    """The rod at the slope b pushes the slide sideways by F tan b, at its pin: the gibs 60 mm higher bear F tan b x 60 mm too."""
+    table = {"units": "mm", "masses": "none", "frame": "O", "drive": "O"}
+    at = {"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}}
+    links = {"crank": {"pins": "O P"}, "rod": {"pins": "P W"}, "slide": {"pins": "W", "guide": "up"}}
+    press, force, speed = pp.build(**table, pins=at, links=links), 1e5, 5.0
+    found = pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), [pp.loads.ForceStroke([0.0, 0.03], [force, force])])
+    use = pins(found, {"slide_guide": Gibs(LENGTH, WIDTH, middle=MIDDLE, pressure=5e6, wear_rate=1e-15)})["slide_guide"]
+
+    begin = brentq(lambda angle: 0.5 - (0.1 * np.cos(angle) + np.sqrt(0.16 - 0.01 * np.sin(angle) ** 2)) - 0.03, 0.1, 1.5)
+    steeper = (1 + 6 * MIDDLE / LENGTH) / (LENGTH * WIDTH)  # pressure by force
+
+    def side(angle: float) -> float:
+        return force * 0.25 * np.sin(angle) / np.sqrt(1 - (0.25 * np.sin(angle)) ** 2)
+
+    def travel(angle: float) -> float:  # by the angle from bottom dead centre
+        return 0.1 * np.sin(angle) * (1 + 0.25 * np.cos(angle) / np.sqrt(1 - (0.25 * np.sin(angle)) ** 2))
+
+    assert use.largest_force == pytest.approx(side(begin), rel=1e-7)  # the links weigh 1 mg each
+    assert use.at == pytest.approx(2 * np.pi - begin, rel=1e-9)  # the table is drawn at bottom dead centre, and the slide goes down
+    assert use.largest_tilting == pytest.approx(MIDDLE * side(begin), rel=1e-7)
+    assert use.largest_pressure == pytest.approx(steeper * side(begin), rel=1e-7)
+    assert use.largest_pv == pytest.approx(steeper * side(begin) * travel(begin) * speed, rel=1e-7)
+    assert use.rubbing_way == pytest.approx(0.4, rel=1e-9)
+    assert use.pressure == pytest.approx(steeper * quad(side, 0, begin)[0] / (2 * np.pi), rel=1e-6)
+    rubbed = steeper * quad(lambda angle: side(angle) * travel(angle), 0, begin)[0]  # Pa m a stroke
+    assert use.pv == pytest.approx(rubbed * speed / (2 * np.pi), rel=1e-6)
+    assert use.wear == pytest.approx(1e-15 * rubbed, rel=1e-6)
+    assert use.swing is None
+    assert use.way is None
+
+
 REFUSED = [
     ({"X": PlainBearing(0.1, 0.1)}, "no bearing 'X'"),
-    ({"slide_guide": PlainBearing(0.1, 0.1)}, "slide_guide does not turn: rate a guide with eccentric_load"),
-    ({"W": 0.1}, "bearings of 'W' is 0.1: give a PlainBearing or a RollingBearing"),
+    ({"slide_guide": PlainBearing(0.1, 0.1)}, "slide_guide is a guide: give Gibs(length, width)"),
+    ({"W": Gibs(0.1, 0.1)}, "W is a pin, which has no gibs: give PlainBearing(diameter, width)"),
+    ({"W": 0.1}, "bearings of 'W' is 0.1: give a PlainBearing or a RollingBearing, of a guide Gibs"),
+    ({"slide_guide": Gibs(0.1, 0.1, normal=(0.0, 0.0, 1.0))}, "is not across the axis of slide_guide"),
+    ({"slide_guide": Gibs(0.1, 0.1, middle=0.2, one_sided=True)}, "the slide tips at"),
 ]
 
 
