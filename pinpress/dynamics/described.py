@@ -30,7 +30,7 @@ from ..loads.link import LinkLoad
 from .applied_loads import process_work, turning_points
 from .cams import CamReactions, cam
 from .driving_energy import driving_energy
-from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, rounding, torque_without_rounding
+from .extremes import AXES, DrivenMotion, at_peaks, finite_forces, held_moments, over_time, rms_of, rounding, torque_without_rounding
 from .harmonics import HarmonicAnalysis, harmonics
 from .reactions import Reactions, carrying
 from .timing import TimingDiagram
@@ -339,8 +339,10 @@ def _drive(reactions: Reactions, drawn: Reactions, along: Along) -> list[Section
     coordinates, places = reactions.motion.driver_coordinates, replace(Places.at_peaks(reactions), heights=None)
     efforts = (torque_without_rounding(found.reactions), found.reactions.motion.crank_speed)
     torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in efforts)
+    mean = over_time(reactions)
+    over = np.reshape(torque_without_rounding(mean.reactions), (-1, len(coordinates))).T
     own: list[Figure] = []
-    for driver, coordinate, torque, speed in zip(reactions.motion.drivers, coordinates, torques, speeds, strict=True):
+    for driver, coordinate, torque, speed, by_time in zip(reactions.motion.drivers, coordinates, torques, speeds, over, strict=True):
         if reactions.passive == "free" and driver in reactions._press.passive:
             continue  # where nothing drives it there is only rounding
         of = f" of {driver}" if len(coordinates) > 1 else ""
@@ -348,7 +350,7 @@ def _drive(reactions: Reactions, drawn: Reactions, along: Along) -> list[Section
         own += [
             extreme(f"largest {what}{of}", torque, unit, np.argmax, places, kind="torque"),
             extreme(f"smallest {what}{of}", torque, unit, np.argmin, places, kind="torque"),
-            Figure(f"rms {what}{of}", float(np.sqrt(found.weight @ torque**2)), unit),
+            Figure(f"rms {what}{of}", rms_of(by_time, mean.share), unit),
             extreme(f"largest power{of}", torque * speed, "W", np.argmax, places),
         ]
     note = "Torques and forces act on the driver, along its axis."

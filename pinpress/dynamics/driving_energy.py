@@ -14,9 +14,13 @@ import numpy as np
 
 from ..common.arguments import expect, positive, typed
 from ..common.errors import PinpressError
+from ..common.numerics import NODES, gauss_rule, polynomial_values
+from ..common.quantities import Array
 from ..common.results import Record
 from ..kinematics.motion import is_constant, is_cycle
-from .extremes import at_peaks
+from ..kinematics.panels import Panels
+from .extremes import at_peaks, over_time, rms_of
+from .peaks import MeanStates
 from .reactions import Reactions
 
 UNITS = {
@@ -87,8 +91,7 @@ class PeriodEnergy(Record, units=UNITS):
 def driving_energy(reactions: Reactions) -> PeriodEnergy:
     """Work of the drive, its mean power and torque, and the energy that a flywheel has to store.
 
-    They are sums over the states of a period; the work of the process between them is exact, see `Reactions.process_work`, and the
-    largest torque is that of `extremes`.
+    They are integrals and extremes over the period and do not depend on its states, unless a load is known in these alone.
 
     Args:
         reactions: Reactions to one period of a crank at constant speed, as `cycle` gives it, under loads and friction.
@@ -102,24 +105,42 @@ def driving_energy(reactions: Reactions) -> PeriodEnergy:
     reactions._press.refuse_several_drivers("what they give is driving_torque * crank_speed, over time")
     if not is_cycle(motion) or not is_constant(motion.crank_speed):
         raise PinpressError("the motion is not one period of a crank at constant speed: give reactions to cycle(press, speed=...)")
-    torque, speed, peaks = reactions.driving_torque, float(motion.crank_speed[0]), at_peaks(reactions)
-    at_peak = peaks.reactions.driving_torque
-    step = float(motion.crank_angle[1] - motion.crank_angle[0])
-    along = 0.0 if reactions._press.slide is None else reactions.process_force * motion.slide_velocity
-    rest = torque + along / speed  # without the process, whose force may jump between two states
-    works = 0.5 * (rest + np.roll(rest, -1)) * step + reactions._process_steps
-    mean = float(works.mean() / step)
-    missing = np.cumsum(works - mean * step)  # energy that the flywheel has given off after each step
+    found, speed = over_time(reactions), float(motion.crank_speed[0])
+    torque = found.reactions.driving_torque
+    mean = float(found.share @ torque)
+    angle, missing = _missing(found, torque - mean, speed)
     lowest, highest = int(missing.argmax()), int(missing.argmin())
-    angle = np.append(motion.crank_angle[1:], motion.crank_angle[0])
     return PeriodEnergy(
         speed=speed,
-        work=float(works.sum()),
+        work=mean * speed * float(found.weight.sum()),
         mean_power=mean * speed,
         mean_torque=mean,
-        rms_torque=float(np.sqrt(peaks.weight @ at_peak**2)),
-        largest_torque=float(np.abs(at_peak).max()),
+        rms_torque=rms_of(torque, found.share),
+        largest_torque=float(np.abs(at_peaks(reactions).reactions.driving_torque).max()),
         stored=float(np.ptp(missing)),
         lowest_at=float(angle[lowest]),
         highest_at=float(angle[highest]),
     )
+
+
+def _missing(found: MeanStates, excess: Array, speed: float) -> tuple[Array, Array]:
+    """Crank angles (m,) [rad] at which the energy that a flywheel has given off is largest or smallest, and this energy (m,) [J].
+
+    Args:
+        found: nodes of panels, or given states.
+        excess: (n,) torque in them beyond the mean [N m].
+        speed: of the crank [rad/s].
+    """
+    motion = found.reactions.motion
+    if not len(found.borders):
+        work = speed * found.weight * excess  # from the middle of the step before a state to the middle of the step after it
+        return motion.crank_angle + 0.5 * speed * found.weight, np.cumsum(work)
+    rule, half = gauss_rule(), 0.5 * speed * np.diff(found.borders)
+    values = excess.reshape(-1, NODES).T
+    panels = Panels(found.borders, rule.polynomial(values).T[:, None, :], None)
+    before = np.append(0.0, np.cumsum(half * (rule.weights @ values)))
+    passed = panels.roots(0)
+    panel, _, x = panels.place(passed)
+    within = before[panel] + half[panel] * polynomial_values(rule.integral(values)[:, panel], x)
+    angle = motion.crank_angle[0] + speed * (np.append(found.borders, passed) - motion.time[0])
+    return angle, np.append(before, within)

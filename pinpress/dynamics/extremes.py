@@ -7,9 +7,9 @@ Signs and axes are those of `inverse_dynamics`. All functions raise `PinpressErr
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -19,10 +19,11 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import ROUNDING, Motion, finite, is_constant
 from ..kinematics.poses import poses
-from .peaks import PeakStates, peak_states
+from .peaks import MeanStates, PeakStates, Resolved, given_states, resolved
 from .reactions import Reactions, carrying
 
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
+FEWER_DIGITS = 1e-3  # share of the largest force or moment below which others need fewer digits: a thousand times what panels may miss
 AXES = ("x", "y", "z")
 
 
@@ -47,8 +48,7 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         largest: largest value.
         largest_at: crank angle of the largest value [deg or mm].
         range: largest value less the smallest.
-        rms: root mean square over the period of a `cycle`, else over the states; it is that over time where these are equally spaced in
-            time, as in a run.
+        rms: root mean square over time; over the states if nothing is known between them.
     """
 
     quantity: str
@@ -75,9 +75,9 @@ class ExtremesOverTime(ExtremeValues, units={"smallest_at": "s", "largest_at": "
 def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     """Extremes of slide motion, torques, bearing forces and moments, shaking force and shaking moment, and of a crank speed that varies.
 
-    They do not depend on where the motion's states are. Where a load begins or ends with a step, they are the limits at both sides of the
-    step; smooth peaks are found between the states. Where nothing is known between the states, as under forces that are given state by
-    state, they are those of the states.
+    Neither they nor the rms values depend on where the motion's states are. Where a load begins or ends with a step, extremes are the
+    limits at both sides of the step; smooth peaks are found between the states. If nothing is known between the states, as under forces
+    that are given state by state, all numbers are those of the given states.
 
     Vectors are listed by their magnitude and their components along the world axes, without components that are zero to rounding. Bearing
     moments are those that `held_moments` returns. Slide positions are in mm and crank speeds in r/min, all else is in SI units.
@@ -89,45 +89,83 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
         PinpressError: A value is not finite, or bearings were left out.
     """
     rounding(reactions)  # which refuses forces that are not finite
-    found = at_peaks(reactions)
-    reactions, motion = found.reactions, found.reactions.motion
+    found, mean = at_peaks(reactions), over_time(reactions)
+    motion = found.reactions.motion
     kind, places = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel, finite("crank angle", motion.shown_position)
     if len(motion.drivers) > 1 and motion._time is not None:  # no one of them tells the states apart
         kind, places = ExtremesOverTime, motion.time
-    series = _series(reactions)
-    return Records(
-        kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), places, found.weight) for quantity, unit, values in series)
-    )
+    # a quantity that is rounding at all nodes of the integral is not among them
+    rms = {quantity: rms_of(finite(quantity, values), mean.share) for quantity, _, values in _series(mean.reactions)}
+    series = [(quantity, unit, finite(quantity, values)) for quantity, unit, values in _series(found.reactions)]
+    return Records(kind, (_extreme_values(kind, name, unit, values, places, rms.get(name, 0.0)) for name, unit, values in series))
 
 
 def at_peaks(reactions: Reactions) -> PeakStates:
-    """The states of reactions of all bearings, and those at which quantities that `extremes` and summaries list jump or are largest. They
-    are found once for all readers.
+    """The states of reactions, and those at which quantities that `extremes` and summaries list jump or are largest; the given states if
+    nothing is known between them. They are found once for all readers.
 
     Raises:
-        PinpressError: as `extremes`.
+        PinpressError: forces between the states are not finite.
     """
-    derived = vars(reactions)  # as a cached property would keep them, which Reactions cannot have: `peaks` stands on it
-    if "_peaks" not in derived:
-        derived["_peaks"] = peak_states(reactions, _listed)
-    peaks: PeakStates = derived["_peaks"]
-    return peaks
+    between = _between(reactions)
+    return _kept(reactions, "_peaks", lambda: given_states(reactions)[0] if between is None else between.peak_states())
 
 
-def _listed(reactions: Reactions) -> Iterator[Array]:
-    """All quantities (n,) of which extremes are listed; always as many."""
-    motion = reactions.motion
-    if motion._guide is not None:
-        yield from (motion.slide_position, motion.slide_velocity, motion.slide_acceleration, reactions.process_force)
+def over_time(reactions: Reactions) -> MeanStates:
+    """States for integrals over time of the quantities that `extremes` lists: by Gauss's rule, or the given states by trapezoids if nothing
+    is known between them. They are found once for all readers; raises as `at_peaks`."""
+    between = _between(reactions)
+    return _kept(reactions, "_over_time", lambda: given_states(reactions)[1] if between is None else between.mean_states())
+
+
+def _between(reactions: Reactions) -> Resolved | None:
+    return _kept(reactions, "_resolved", lambda: resolved(reactions, listed))
+
+
+T = TypeVar("T")
+
+
+def _kept(reactions: Reactions, name: str, find: Callable[[], T]) -> T:
+    """What was found of reactions, kept as a cached property would, which Reactions cannot have: `peaks` stands on it."""
+    derived = vars(reactions)
+    if name not in derived:
+        derived[name] = find()
+    kept: T = derived[name]
+    return kept
+
+
+def listed(reactions: Reactions) -> Iterator[tuple[Array, float]]:
+    """All quantities of which extremes are listed, in groups (n, k) with the size below which they need fewer digits; vectors with their
+    squares, because a magnitude is not smooth near zero."""
+    motion, size = reactions.motion, reactions._press.size
     count = len(motion.crank_angle)
-    torque, speed = (values.reshape(count, -1).T for values in (reactions.driving_torque, motion.crank_speed))
-    yield from (*speed, *torque, *(torque * speed))
+    torque, speed = (values.reshape(count, -1) for values in (reactions.driving_torque, motion.crank_speed))
+    forces = [*reactions.bearing_force.values(), reactions.shaking_force]
+    moments = [*reactions.bearing_moment.values(), *held_moments(reactions).values(), reactions.shaking_moment]
+    losses = np.column_stack([np.zeros(count), *reactions.friction_power.values()])
+    force = FEWER_DIGITS * max(float(np.abs(vector).max(initial=0.0)) for vector in forces)
+    moment = max(force * size, FEWER_DIGITS * float(np.abs(torque).max(initial=0.0)))
+    if motion._guide is not None:
+        slide = (motion.slide_position, motion.slide_velocity, motion.slide_acceleration, reactions.process_force)
+        yield from ((values[:, None], 0.0) for values in slide)
+        yield (reactions.process_force * motion.slide_velocity)[:, None], 0.0
+    yield speed, 0.0
+    yield torque, moment
+    yield torque * speed, moment * float(np.abs(speed).max(initial=0.0))
+    yield losses, FEWER_DIGITS * float(losses.max(initial=0.0))
     if isinstance(motion, DrivenMotion):
-        yield from motion.drive_torque.reshape(count, -1).T
-    yield from (pair[:, 0] for pair in reactions.coupling_torque.values())
-    moments = (*reactions.bearing_moment.values(), *held_moments(reactions).values())
-    for vector in (*reactions.bearing_force.values(), *moments, reactions.shaking_force, reactions.shaking_moment):
-        yield from (*vector.T, np.linalg.norm(vector, axis=1))
+        yield motion.drive_torque.reshape(count, -1), 0.0
+    yield from ((pair[:, :1], moment) for pair in reactions.coupling_torque.values())
+    for vectors, least in ((forces, force), (moments, moment)):
+        for vector in vectors:
+            yield vector, least
+            yield np.square(vector).sum(axis=1, keepdims=True), least**2
+
+
+def rms_of(values: Array, share: Array) -> float:
+    """Root mean square of values (n,) that count by their shares, of any size: squares of large numbers would overflow."""
+    size = float(np.abs(values).max(initial=0.0)) or 1.0
+    return size * float(np.sqrt(share @ (values / size) ** 2))
 
 
 def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
@@ -172,13 +210,12 @@ def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple
         yield f"{name}, {AXES[i]}", unit, vector[:, i]
 
 
-def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array, weight: Array) -> ExtremeValues:
+def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array, rms: float) -> ExtremeValues:
     low, high = int(values.argmin()), int(values.argmax())
     smallest, largest = float(values[low]), float(values[high])
-    size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
+    size = float(np.abs(values).max()) or 1.0
     smallest, largest = (0.0 if abs(value) < ROUNDING_OF_VALUES * size else value for value in (smallest, largest))
     width = largest - smallest if largest - smallest > ROUNDING_OF_VALUES * size else 0.0
-    rms = size * float(np.sqrt(weight @ (values / size) ** 2))
     return kind(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
 
 

@@ -1,36 +1,46 @@
-"""Peaks of a motion's quantities between its states: where they jump, and where they are largest.
+"""Quantities between the states of a motion: where they jump, where they are largest, and their integrals over time.
 
 A process load may begin or end with its full force. Torque and bearing forces then jump, and their largest values are the limits at one
 side of the jump, which evenly spaced states meet only by chance. Jumps are where the slide passes the ends of the loads' intervals, where
 the slide turns back, where bearings with friction turn back, and where the law of a cam has a corner. All of these are roots of known
-functions along the motion. States are added on both sides of each. Smooth peaks are found by parabolas through three states.
+functions along the motion. Between them quantities are polynomials on panels, which are halved until these resolve them. Where a
+polynomial turns a quantity is largest, and its nodes are those of Gauss's rule. So no number depends on how many states a motion has.
 """
 
 from __future__ import annotations
 
-import itertools
+import contextlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
 from ..common.errors import PinpressError
-from ..common.numerics import bracketed_roots, polynomial_values, quintics
+from ..common.numerics import bracketed_roots, gauss_rule, polynomial_values, quintics
 from ..common.quantities import Array
 from ..engines.machine_elements.cams import CamContact
-from ..kinematics.cycle import moved
-from ..kinematics.motion import Motion, is_cycle
+from ..kinematics.cycle import POINTS, moved
+from ..kinematics.motion import Motion, is_constant, is_cycle
+from ..kinematics.panels import Panels, last_terms, resolve
 from ..loads import caller_laws
-from ..loads.link import LinkLoad, PointForce, PointMoment, is_constant
+from ..loads.link import LinkLoad, PointForce, PointMoment
+from ..loads.link import is_constant as is_constant_load
 from ..loads.process import ProcessLoad, TimeForce, datum
-from .applied_loads import RelativeTurn, intervals_of, relative_turn
+from .applied_loads import RelativeTurn, intervals_of, relative_turn, turn_between
 from .inverse_dynamics import in_other_states
 from .reactions import Reactions
 
 SIDE = 1e-8
 """Distance of a state from a jump, as a share of a step. In steps of half a degree this is 1e-10 rad, 100 times what counts as rest."""
 MOST_STEPS = 20  # of Newton's method to a corner of a cam, which takes three or four
+PANELS = 16  # a turn; they resolve most presses at once
+MISSED = 1e-9  # what a panel may miss of an integral over the whole motion: three digits more than are printed
+MOST_STATES = 10_000  # of a table between whose states quantities are looked at; a panel from each to the next would take gigabytes
+
+Quantities = Callable[[Reactions], Iterable[tuple[Array, float]]]
+"""Quantities in n states, as groups (n, k) with the size below which the quantities of a group need fewer digits."""
 
 
 class PeakStates(NamedTuple):
@@ -39,12 +49,29 @@ class PeakStates(NamedTuple):
     Attributes:
         reactions: in all these states, in the order of time.
         remarks: for each state a remark such as "where the load begins"; mostly empty.
-        weight: (n,) share of the period or of the states for which each state counts in sums; 0 for smooth peaks between the states.
     """
 
     reactions: Reactions
     remarks: tuple[str, ...]
+
+
+class MeanStates(NamedTuple):
+    """States whose sum is an integral over the time of a motion.
+
+    Attributes:
+        reactions: in these states, those of a panel one after the other; the given reactions if nothing is known between their states.
+        weight: (n,) time for which each state counts [s]; the mean step where states have no times.
+        borders: (p + 1,) of the panels [s]; of given states none.
+    """
+
+    reactions: Reactions
     weight: Array
+    borders: Array
+
+    @property
+    def share(self) -> Array:
+        """(n,) of the time for which each state counts."""
+        return np.asarray(self.weight / self.weight.sum())
 
 
 @runtime_checkable
@@ -56,70 +83,103 @@ class Simulated(Protocol):
     @property
     def jumps(self) -> Array | None: ...
 
+    @property
+    def smooth_between(self) -> Array: ...
 
-def peak_states(reactions: Reactions, quantities: Callable[[Reactions], Iterable[Array]]) -> PeakStates:
-    """The states of reactions, and those between them in which quantities (n,) jump, or are largest or smallest.
+
+@dataclass(frozen=True, eq=False)
+class Resolved:
+    """Quantities along a motion, resolved between its jumps.
+
+    Attributes:
+        path: the motion between its states.
+        jumps: (k,) times of jumps [s].
+        distance: (k,) from them at which the states on both sides are [s].
+        panels: the quantities over time.
+        varies: which rows of the panels vary by more than rounding.
+    """
+
+    path: _Path
+    jumps: Array
+    distance: Array
+    panels: Panels
+    varies: Array
+
+    def peak_states(self) -> PeakStates:
+        """The states of the motion, those on both sides of jumps, and those in which quantities are largest or smallest."""
+        path = self.path
+        reactions = path.reactions
+        # also at a jump itself, where a bearing with friction rests
+        sides = path.inside(np.concatenate([self.jumps - self.distance, self.jumps, self.jumps + self.distance]))
+        known = np.union1d(reactions.motion.time, sides)
+        peaks = self.panels.peaks(self.varies)
+        behind = np.searchsorted(known, peaks).clip(1, len(known) - 1)
+        apart = np.minimum(np.abs(peaks - known[behind - 1]), np.abs(peaks - known[behind])) > SIDE * path.step
+        times = np.union1d(known, path.inside(peaks[apart]))
+        if len(times) == len(reactions.motion.time):
+            return PeakStates(reactions, ("",) * len(times))
+        found = in_other_states(reactions, path.at(times))
+        return PeakStates(found, _remarks(found, times, self.jumps, self.distance))
+
+    def mean_states(self) -> MeanStates:
+        """The nodes of the panels."""
+        half, rule = 0.5 * np.diff(self.panels.borders), gauss_rule()
+        times = (self.panels.borders[:-1] + half)[:, None] + half[:, None] * rule.nodes
+        reactions = in_other_states(self.path.reactions, self.path.at(times.ravel()))
+        return MeanStates(reactions, (half[:, None] * rule.weights).ravel(), self.panels.borders)
+
+
+def resolved(
+    reactions: Reactions, quantities: Quantities, reversing: Callable[[Motion], Iterable[tuple[Array, Array]]] | None = None
+) -> Resolved | None:
+    """Resolve quantities along a motion; None if nothing is known between its states.
 
     Some motions are known in their states alone: states that do not follow each other in time, several drivers that follow a table, and
-    loads given as arrays. Then only the given states are returned.
-    """
-    motion = reactions.motion
-    count = len(motion.crank_angle)
-    given_states = PeakStates(reactions, ("",) * count, np.full(count, 1.0 / max(count, 1)))
-    path = _path(reactions)
-    if path is None:
-        return given_states
-    crossings, turns = _crossings(reactions, path)
-    events = motion.jumps if isinstance(motion, Simulated) else None
-    jumps = np.concatenate([crossings, _corners(reactions, path), [] if events is None else events, turns])
-    # nearer than 1e-4 of a step to its dead centre the slide's height does not change in floating point
-    distance = path.step * np.repeat([SIDE, 1e-4], [len(jumps) - len(turns), len(turns)])
-    sides = path.inside(np.concatenate([jumps - distance, jumps + distance]))
-    times = np.union1d(path.times[:count], np.concatenate([sides, _states_between(path, np.union1d(crossings, turns))]))
-    smooth = _smooth_peaks(path, times, quantities)
-    if len(times) + len(smooth) == count:
-        return given_states
-    behind = np.searchsorted(times, smooth)
-    before, after = times[(behind - 1).clip(0)], times[behind.clip(0, len(times) - 1)]
-    all_times = np.union1d(times, smooth[np.minimum(np.abs(smooth - before), np.abs(smooth - after)) > SIDE * path.step])
-    at_peaks = in_other_states(reactions, path.at(all_times))
-    places = np.searchsorted(times, all_times).clip(0, len(times) - 1)
-    weight = np.where(times[places] == all_times, _weights(path, times)[places], 0.0)
-    return PeakStates(at_peaks, _remarks(at_peaks, all_times, jumps, distance), weight)
-
-
-def integration_states(reactions: Reactions, reversing: Callable[[Motion], Iterable[tuple[Array, Array]]]) -> tuple[Reactions, Array]:
-    """States and weights (n,) [s] that integrate quantities over the time of a motion: by Gauss's rule between its states, the jumps of
-    loads and friction, and the zeros of functions. The zeros are states too, of weight 0.
-
-    A motion that is known only in its states is integrated by trapezoids.
+    loads given as arrays.
 
     Args:
         reactions: to the motion.
-        reversing: gives values and slopes in time (n,) of functions that pass zero where an integrand has a corner.
-
-    Raises:
-        PinpressError: the motion has no times.
+        quantities: that are resolved.
+        reversing: gives values and slopes in time (n,) of functions that pass zero where a quantity has a corner.
     """
-    path, motion = _path(reactions), reactions.motion
+    path = _path(reactions)
     if path is None:
-        if motion._time is None or len(motion.time) < 2:
-            raise PinpressError("the motion has no times, over which to integrate: give servo_cycle(press, angle, time=time)")
+        return None
+    jumps, distance = _jumps(reactions, path)
+    corners = [] if reversing is None else [_roots(path, _one_of(reversing, k)) for k in range(len(list(reversing(path.motion))))]
+    borders = np.unique(np.concatenate([path.smooth_between, path.inside(jumps), *corners]))
+    borders = np.append(borders[:-1][np.diff(borders) > 2 * SIDE * path.step], borders[-1])
+    whole = float(borders[-1] - borders[0])
+    sizes: list[Array] = []
+
+    def sample(times: Array) -> Array:
+        order = np.argsort(times)  # halved panels come in another order
+        groups = list(quantities(in_other_states(reactions, path.at(times[order]))))
+        rows = np.concatenate([values.T for values, _ in groups])
+        least = np.repeat([size for _, size in groups], [values.shape[1] for values, _ in groups])
+        size = np.maximum(np.abs(rows).max(axis=1), least)
+        sizes[:] = [np.maximum(sizes[0], size) if sizes else size]
+        rows[:, order] = rows.copy()
+        return rows
+
+    def missed(values: Array) -> Array:
+        """Of the integrals: what the polynomial misses, times the share of the panel, which is not known here."""
+        return np.asarray((last_terms(values) / np.where(sizes[0] > 0.0, sizes[0], 1.0)[:, None]).max(axis=0))
+
+    panels, _ = resolve(sample, borders, missed, MISSED, narrowest=1e-8 * whole, whole=whole)
+    reach = np.abs(panels.coefficients[:, :, 1:]).sum(axis=2).max(axis=0)
+    return Resolved(path, jumps, distance, panels, reach > 1e-9 * sizes[0])
+
+
+def given_states(reactions: Reactions) -> tuple[PeakStates, MeanStates]:
+    """Peaks and means of the given states, of a motion about which nothing is known between them: trapezoids over time, else all alike."""
+    motion, count = reactions.motion, len(reactions.motion.crank_angle)
+    weight = np.ones(count)
+    if motion._time is not None and count > 1 and np.all(np.diff(motion.time) > 0):
         steps = np.diff(motion.time)
-        return reactions, 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
-    crossings, turns = _crossings(reactions, path)
-    events = motion.jumps if isinstance(motion, Simulated) else None
-    jumps = np.concatenate([crossings, _corners(reactions, path), turns, [] if events is None else events])
-    states = path.times[: len(motion.crank_angle)]
-    count = len(list(reversing(motion)))
-    zeros = [_roots(path, lambda motion, k=k: list(reversing(motion))[k], states, motion) for k in range(count)]  # type: ignore[misc]
-    ends = np.unique(np.concatenate([path.times, jumps, *zeros]))
-    ends = np.append(ends[:-1][np.diff(ends) > SIDE * path.step], ends[-1])
-    nodes, shares = np.polynomial.legendre.leggauss(4)
-    half = 0.5 * np.diff(ends)
-    times = np.column_stack([ends[:-1], ends[:-1, None] + half[:, None] * (1 + nodes)]).ravel()
-    weight = np.column_stack([np.zeros(len(half)), half[:, None] * shares]).ravel()
-    return in_other_states(reactions, path.at(times)), weight
+        last = steps[-1] if is_cycle(motion) else 0.0
+        weight = 0.5 * (np.append(steps, last) + np.append(last, steps))
+    return PeakStates(reactions, ("",) * count), MeanStates(reactions, weight, np.zeros(0))
 
 
 def states_at(reactions: Reactions, angles: Array) -> Reactions:
@@ -131,7 +191,7 @@ def states_at(reactions: Reactions, angles: Array) -> Reactions:
     path, coordinate = _path(reactions), reactions.motion.driver_coordinates[0]
     if path is None:
         raise PinpressError("the motion is known in its states alone: give at='states', or a motion of one driver with times")
-    drive, found = path.driver[0], []
+    drive, found = path.motion.crank_angle, []
     for angle in angles:
         wanted = angle
         if path.closed and drive[-1] != drive[0]:
@@ -163,14 +223,14 @@ class _Path:
 
     Attributes:
         reactions: to the motion.
-        times: (n,) of its states; after the last state of a `cycle` comes the end of the period [s].
-        driver: (3, n) position, speed and acceleration of the driver at these times.
+        times: (n,) between which a function passes zero at most once [s]; those of a `cycle` begin and end with its period.
+        smooth_between: times, the first and the last among them, between which the motion itself is smooth [s].
         closed: whether the end is the beginning again.
     """
 
     reactions: Reactions
     times: Array
-    driver: Array
+    smooth_between: Array
     closed: bool
 
     @property
@@ -185,16 +245,41 @@ class _Path:
             return np.asarray(first + (times - first) % (last - first))
         return np.asarray(times[(times >= first) & (times <= last)])
 
+    @cached_property
+    def motion(self) -> Motion:
+        """The motion at `times`."""
+        return self.at(self.times)
+
+    @cached_property
+    def _polynomials(self) -> Array:
+        """(6, n - 1) of the driver between the states, and, in a `cycle`, from the last one to the end of the period."""
+        motion = self.reactions.motion
+        driver = np.array([motion.crank_angle, motion.crank_speed, motion.crank_acceleration])
+        if self.closed:
+            period = np.copysign(2 * np.pi * (motion.period_turns or 1), driver[0, -1] - driver[0, 0])
+            driver = np.column_stack([driver, driver[:, 0] + [period, 0.0, 0.0]])
+        return np.asarray(quintics(np.diff(self.times), *driver))
+
     def at(self, times: Array) -> Motion:
         """The motion at rising times (m,) [s]. Between two states the driver follows the quintic through both."""
         motion, press = self.reactions.motion, self.reactions._press
         if isinstance(motion, Simulated):
             return motion.at_times(times)
+        if self.even:
+            speed = float(motion.crank_speed[0])
+            angle = motion.crank_angle[0] + speed * (times - self.times[0])
+            still = np.zeros(len(times))
+            return moved(press, press.branch_through_change_points, angle, still + speed, still, times, self.reactions.engine)
         place = (np.searchsorted(self.times, times, side="right") - 1).clip(0, len(self.times) - 2)
-        polynomials = quintics(np.diff(self.times), *self.driver)[:, place]
+        polynomials = self._polynomials[:, place]
         derivatives = (np.polynomial.polynomial.polyder(polynomials, order) for order in range(3))
         angle, speed, acceleration = (polynomial_values(each, times - self.times[place]) for each in derivatives)
         return moved(press, press.branch_through_change_points, angle, speed, acceleration, times, self.reactions.engine)
+
+    @property
+    def even(self) -> bool:
+        """Whether it is a period at constant speed, which is known without its states."""
+        return self.closed and is_constant(self.reactions.motion.crank_speed)
 
 
 def _path(reactions: Reactions) -> _Path | None:
@@ -204,43 +289,52 @@ def _path(reactions: Reactions) -> _Path | None:
         return None
     if motion._time is None or len(motion.time) < 3 or not np.all(np.diff(motion.time) > 0):
         return None
-    if motion.jumps is None if isinstance(motion, Simulated) else len(motion.drivers) > 1:
+    if motion.jumps is None if isinstance(motion, Simulated) else len(motion.drivers) > 1 or len(motion.time) > MOST_STATES:
         return None
-    times, driver = motion.time, np.array([motion.crank_angle, motion.crank_speed, motion.crank_acceleration])
+    times = motion.time
+    if isinstance(motion, Simulated):
+        inner = motion.smooth_between
+        return _Path(reactions, np.union1d(times, inner), inner, closed)
     if closed:
         times = np.append(times, 2 * times[-1] - times[-2])
-        period = np.copysign(2 * np.pi * (motion.period_turns or 1), driver[0, -1] - driver[0, 0])
-        driver = np.column_stack([driver, driver[:, 0] + [period, 0.0, 0.0]])
-    return _Path(reactions, times, driver, closed)
+    if closed and is_constant(motion.crank_speed):
+        turns, (first, last) = motion.period_turns or 1, times[[0, -1]]
+        return _Path(reactions, np.linspace(first, last, POINTS * turns + 1), np.linspace(first, last, PANELS * turns + 1), True)
+    return _Path(reactions, times, times, closed)
 
 
 def _changes_with_states(load: object) -> bool:
     """Whether a load is a force that a caller gave for the states alone."""
-    return isinstance(load, PointForce | PointMoment) and not is_constant(load)
+    return isinstance(load, PointForce | PointMoment) and not is_constant_load(load)
 
 
 # ----------------------------------------------------------------------------------------------------------------------------------- jumps
 
 
+def _jumps(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
+    """Times (k,) at which quantities may jump, and how far from them the states on both sides are [s]."""
+    crossings, turns = _crossings(reactions, path)
+    events = reactions.motion.jumps if isinstance(reactions.motion, Simulated) else None
+    jumps = np.concatenate([crossings, _corners(path), [] if events is None else events, turns])
+    # nearer than 1e-4 of a step to its dead centre the slide's height does not change in floating point
+    return jumps, path.step * np.repeat([SIDE, 1e-4], [len(jumps) - len(turns), len(turns)])
+
+
 def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
     """Times at which loads and friction may jump, and those of them at which the slide turns back; both rise [s]."""
-    press, motion = reactions._press, reactions.motion
-    states, turns = path.times[: len(motion.crank_angle)], np.zeros(0)
+    press, turns = reactions._press, np.zeros(0)
     times = [np.array(load.edges) for load in reactions.loads if isinstance(load, TimeForce)]
-    for name in reactions.friction:
-        if name in press.joints:
-            joint = press.joints.index(name)
-            times.append(_roots(path, _joint_rate(joint), states, motion))
+    times += [_roots(path, rate) for name in reactions.friction if (rate := _rate(reactions, name)) is not None]
     for contact in press.contacts:
         if contact.rubbing:
             turn = relative_turn(press, press.link_of(contact.carrier), press.link_of(contact.first), contact.name)
-            times += [] if turn is None else [_roots(path, _turning_rate(turn), states, motion)]
+            times += [] if turn is None else [_roots(path, _turning_rate(turn))]
     processes = [load for load in reactions.loads if not isinstance(load, LinkLoad | TimeForce)]
     if processes:
-        turns = np.unique(path.inside(_roots(path, lambda motion: (motion.slide_velocity, motion.slide_acceleration), states, motion)))
-        if len(turns):  # the slide goes one way from state to state if it turns only at states
-            states = np.union1d(states, turns)
-            motion = path.at(states)
+        turns = np.unique(path.inside(_roots(path, lambda motion: (motion.slide_velocity, motion.slide_acceleration))))
+        # the slide goes one way from state to state if it turns only at states
+        states = np.union1d(path.times, turns)
+        motion = path.at(states) if len(turns) else path.motion
         for level in {level for load in processes for level in _levels(load, reactions)}:
             edges = _roots(path, _height_above(level), states, motion)
             # a height within 1e-3 of a step from a dead centre is passed at the dead centre, or by rounding alone
@@ -248,18 +342,15 @@ def _crossings(reactions: Reactions, path: _Path) -> tuple[Array, Array]:
     return np.unique(path.inside(np.concatenate([np.zeros(0), *times]))), turns
 
 
-def _corners(reactions: Reactions, path: _Path) -> Array:
+def _corners(path: _Path) -> Array:
     """Times (m,) at which acceleration or jerk of the follower of a cam may jump [s]."""
-    press, times = reactions._press, [np.zeros(0)]
+    press, times = path.reactions._press, [np.zeros(0)]
     for cam in (contact for contact in press.contacts if isinstance(contact, CamContact)):
-        states = path.times[: len(reactions.motion.crank_angle)]
-        beyond = cam.angle(reactions.motion.joint_position.T) - cam.law.corners[:, None]
-        if path.closed:
-            states, beyond = np.append(states, path.times[-1]), np.column_stack([beyond, beyond[:, 0]])
+        beyond = cam.angle(path.motion.joint_position.T) - cam.law.corners[:, None]
         before = np.signbit(np.sin(beyond))
         which, k = np.nonzero((before[:, :-1] != before[:, 1:]) & (np.cos(beyond[:, :-1]) > 0.0))
         if len(k):
-            times.append(_passed(path, cam, cam.law.corners[which], states[k], states[k + 1]))
+            times.append(_passed(path, cam, cam.law.corners[which], path.times[k], path.times[k + 1]))
     return np.unique(path.inside(np.concatenate(times)))
 
 
@@ -282,8 +373,21 @@ AlongMotion = Callable[[Motion], tuple[Array, Array]]
 """A function along a motion: its values and its slopes in time (n,)."""
 
 
-def _joint_rate(joint: int) -> AlongMotion:
-    return lambda motion: (motion.v[:, joint], motion.a[:, joint])
+def _rate(reactions: Reactions, name: str) -> AlongMotion | None:
+    """The rate at which a bearing turns or slides; None of a loop whose links do not turn about one axis."""
+    press = reactions._press
+    if name in press.joints:
+        joint = press.joints.index(name)
+        return lambda motion: (motion.v[:, joint], motion.a[:, joint])
+    loop = next((loop for loop in press.loops if loop.name == name), None)
+    with contextlib.suppress(PinpressError):
+        turn = None if loop is None else turn_between(press, (loop.joint1, loop.joint2), name, "")
+        return None if turn is None else _turning_rate(turn)
+    return None
+
+
+def _one_of(functions: Callable[[Motion], Iterable[tuple[Array, Array]]], k: int) -> AlongMotion:
+    return lambda motion: list(functions(motion))[k]
 
 
 def _turning_rate(turn: RelativeTurn) -> AlongMotion:
@@ -303,29 +407,24 @@ def _levels(load: object, reactions: Reactions) -> Iterator[float]:
         yield from (zero + end for _, each in intervals for end in (each.lower, each.upper) if np.isfinite(end))
 
 
-def _roots(path: _Path, function: AlongMotion, states: Array, motion: Motion) -> Array:
+def _roots(path: _Path, function: AlongMotion, states: Array | None = None, motion: Motion | None = None) -> Array:
     """Times (m,) at which a function passes zero.
 
     Args:
         path: the motion between its states.
         function: that passes zero.
-        states: (n,) times between which it passes zero at most once [s].
+        states: (n,) times between which it passes zero at most once [s]; by default those of the path.
         motion: the motion at these times.
     """
-    values = function(motion)[0]
+    states = path.times if states is None else states
+    values = function(path.motion if motion is None else motion)[0]
     if path.closed:
-        states, values = np.append(states, path.times[-1]), np.append(values, values[0])
+        values = np.append(values[:-1], values[0])
     before = np.flatnonzero(np.signbit(values[:-1]) != np.signbit(values[1:]))
     if not len(before):
         return np.zeros(0)
     # to a millionth of the distance of the states on both sides
     return bracketed_roots(lambda times: function(path.at(times)), states[before], states[before + 1], absolute=1e-6 * SIDE * path.step)
-
-
-def _states_between(path: _Path, jumps: Array) -> Array:
-    """Times (m,) of 32 more states between any two jumps less than 32 steps apart, because a load may act over less than a step."""
-    near = [(before, after) for before, after in itertools.pairwise(jumps) if after - before < 32 * path.step]
-    return np.concatenate([np.zeros(0), *(np.linspace(*pair, 34)[1:-1] for pair in near)])
 
 
 def _remarks(reactions: Reactions, times: Array, jumps: Array, distance: Array) -> tuple[str, ...]:
@@ -338,60 +437,3 @@ def _remarks(reactions: Reactions, times: Array, jumps: Array, distance: Array) 
         if abs(change) > rounding:
             remarks[before] = remarks[after] = "where the load begins" if change > 0 else "where the load ends"
     return tuple(remarks)
-
-
-# ----------------------------------------------------------------------------------------------------------------------------- smooth peaks
-
-
-def _smooth_peaks(path: _Path, state_times: Array, quantities: Callable[[Reactions], Iterable[Array]]) -> Array:
-    """Times (m,) at which quantities are largest or smallest, by three parabolas each, from states at ``known`` times [s]."""
-
-    def values(times: Array) -> Array:
-        return np.array(list(quantities(in_other_states(path.reactions, path.at(times)))))
-
-    times, at_times = state_times, values(state_times)
-    for share in (1 / 8, 1 / 64):  # of a step, on both sides of the last vertex: there the next parabola's states are
-        vertex = _vertices(path, times, at_times)
-        place = np.searchsorted(times, vertex).clip(1, len(times) - 1)
-        step = share * (times[place] - times[place - 1])
-        trial = np.setdiff1d(path.inside(np.concatenate([vertex - step, vertex, vertex + step])), times)
-        if not len(trial):
-            break
-        times, order = np.unique(np.concatenate([times, trial]), return_index=True)
-        at_times = np.hstack([at_times, values(trial)])[:, order]
-    best = times[np.concatenate([at_times.argmax(axis=1), at_times.argmin(axis=1)])]
-    peaks = np.unique(np.concatenate([best, _vertices(path, times, at_times)]))
-    return peaks[np.diff(peaks, prepend=-np.inf) > SIDE * path.step]
-
-
-def _vertices(path: _Path, times: Array, values: Array) -> Array:
-    """Vertices (m,) of the parabolas through three states each that lie above the largest or below the smallest of values (quantities, n)
-    [s]. No parabola reaches over a jump."""
-    if path.closed:
-        period = path.times[-1] - path.times[0]
-        times = np.concatenate([[times[-1] - period], times, [times[0] + period]])
-        values = np.column_stack([values[:, -1], values, values[:, 0]])
-    apart = np.diff(times) > 3 * SIDE * path.step
-    slopes, left, right = np.diff(values) / np.diff(times), np.diff(times)[:-1], np.diff(times)[1:]
-    with np.errstate(all="ignore"):
-        bend = np.diff(slopes) / (left + right)
-        tilt = (slopes[:, :-1] * right + slopes[:, 1:] * left) / (left + right)
-        offset = -0.5 * tilt / bend
-        height = values[:, 1:-1] + 0.5 * tilt * offset
-    varies = np.ptp(values, axis=1) > 1e-9 * np.abs(values).max(axis=1)  # more than by rounding
-    in_step = varies[:, None] & (offset > -left) & (offset < right) & apart[:-1] & apart[1:]
-    vertex, chosen = times[1:-1] + offset, [np.zeros(0)]
-    for sign in (1, -1):
-        beyond = in_step & (sign * bend < 0) & (sign * height >= (sign * values[:, 1:-1]).max(axis=1, keepdims=True))
-        # Parabolas cannot tell the highest of peaks that are nearly equal, so three are taken; rounding alone would give one in each state.
-        highest = np.argsort(np.where(beyond, sign * height, -np.inf), axis=1)[:, -3:]
-        chosen.append(np.take_along_axis(vertex, highest, axis=1)[np.take_along_axis(beyond, highest, axis=1)])
-    return path.inside(np.unique(np.concatenate(chosen)))
-
-
-def _weights(path: _Path, times: Array) -> Array:
-    """Shares (n,) with which states at these times count in sums: of the period, by trapezoids, for a `cycle`; else of the given states."""
-    if not path.closed:
-        return np.where(np.isin(times, path.times), 1.0 / len(path.times), 0.0)
-    steps = np.diff(np.append(times, path.times[-1] - path.times[0] + times[0]))
-    return np.asarray(0.5 * (steps + np.roll(steps, 1)) / steps.sum())

@@ -32,6 +32,7 @@ from . import applied_loads
 from .shaking import shaking
 from .teeth import ToothForces, tooth_forces
 
+BETWEEN = ("_resolved", "_peaks", "_over_time")  # what `extremes` keeps of reactions between their states
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
 
@@ -172,7 +173,7 @@ class Reactions(Tabular):
         loads = tuple(sendable(load) for load in self.loads)
         if any(isinstance(load, str) for load in loads):
             _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
-        kept = {name: value for name, value in vars(self).items() if name != "_peaks"}  # a copy finds its peaks again
+        kept = {name: value for name, value in vars(self).items() if name not in BETWEEN}  # a copy finds them again
         return kept | {"loads": loads}
 
     @property

@@ -29,9 +29,9 @@ from ..engines.machine_elements.forces import bearing_loads
 from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
+from ..kinematics.panels import POWERS, Panels, last_terms, resolve
 from ..linkage.linkage import Linkage
 from .failures import failure
-from .panels import POWERS, Panels, last_terms, resolve
 from .reduced_model import ReducedModel
 
 BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L

@@ -23,10 +23,10 @@ from ..engines.branch import MOST_TURNS, periods_until_back
 from ..engines.energies import energies as energies_of_states
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
+from ..kinematics.panels import Panels, last_terms, resolve
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .failures import failure
-from .panels import Panels, last_terms, resolve
 
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 

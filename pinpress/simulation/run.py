@@ -105,6 +105,12 @@ class Run(Motion):
         return np.asarray(jumps[(jumps > 0.0) & (jumps < self.time[-1])])
 
     @property
+    def smooth_between(self) -> Array:
+        """Rising times, start and end among them, between which the run is smooth [s]."""
+        borders = self.trajectory.borders
+        return np.asarray(np.union1d(borders[(borders > 0.0) & (borders < self.time[-1])], [0.0, self.time[-1]]))
+
+    @property
     def title(self) -> str:
         by = "" if self.constraint_solution is None else f" by {self.constraint_solution.algorithm}"
         return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}{by}"

@@ -15,8 +15,8 @@ from ...common.numerics import gauss_rule, horner, polynomial_root
 from ...common.products import product
 from ...common.quantities import Array
 from ...drives.protocol import Drive, corners_of
+from ...kinematics.panels import last_terms
 from ..driven_press import DrivenPress
-from ..panels import last_terms
 from . import collocation
 from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends

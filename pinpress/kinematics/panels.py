@@ -1,4 +1,4 @@
-"""Functions of the crank angle as polynomials, panel by panel.
+"""Functions of the crank angle, or of time, as polynomials, panel by panel.
 
 A function is sampled at the nodes of Gauss's quadrature. A panel is halved where the polynomial through these values does not resolve it.
 """
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common.numerics import NODES, bracketed_roots, gauss_rule, values_and_slopes
 from ..common.products import product
@@ -48,9 +49,7 @@ class Panels:
 
     def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
         """Rows (rows, ...) at angles (...) between the first and the last border, and their derivatives, zero without ``derivative``."""
-        panel = np.clip(self.borders.searchsorted(angle, side="right") - 1, 0, len(self.borders) - 2)
-        half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
-        x = (angle - self.borders[panel]) / half - 1.0
+        panel, half, x = self.place(angle)
         picked = self._by_power.take(panel, axis=-1)  # (q, rows, ...)
         value = picked[-1]
         slope = np.zeros_like(value)
@@ -61,6 +60,12 @@ class Panels:
             value *= x
             value += coefficients
         return value, slope / half
+
+    def place(self, angle: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        """The panels (...) of angles (...) between the first and the last border, half their widths, and places from -1 to 1 there."""
+        panel = np.clip(self.borders.searchsorted(angle, side="right") - 1, 0, len(self.borders) - 2)
+        half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
+        return panel, half, (angle - self.borders[panel]) / half - 1.0
 
     def panel_of(self, angle: float) -> tuple[int, float, float]:
         """The panel of one angle between the first and the last border, half its width, and the place x from -1 to 1 on it."""
@@ -101,6 +106,32 @@ class Panels:
             ends = np.append(ends, 0)
         return np.concatenate([inside, self.borders[ends]])
 
+    def peaks(self, rows: NDArray[np.bool_]) -> Array:
+        """Places (m,), rising, at which some of the rows (rows,) are largest or smallest: where a polynomial turns, or at a border.
+
+        Of turning points that may be the highest for all that samples tell, all are returned.
+        """
+        coefficients = self.coefficients[:, rows]
+        samples = np.linspace(-1.0, 1.0, 2 * NODES)
+        powers, width = np.vander(samples, NODES, increasing=True).T, samples[1] - samples[0]
+        slopes = coefficients[:, :, 1:] * POWERS[1:]
+        values, rising = coefficients @ powers, slopes @ powers[:-1]
+        middle, half = 0.5 * (self.borders[1:] + self.borders[:-1]), 0.5 * np.diff(self.borders)
+        found = [np.zeros(0)]
+        for sign in (1.0, -1.0):
+            value, slope = sign * values, sign * rising
+            by_row = value.swapaxes(0, 1).reshape(value.shape[1], -1)
+            highest = by_row.max(axis=1)
+            panel, at = np.divmod(by_row.argmax(axis=1), len(samples))
+            found.append(middle[panel] + half[panel] * samples[at])
+            # between two samples no concave function exceeds its tangents there
+            most = np.minimum(value[:, :, :-1] + width * slope[:, :, :-1], value[:, :, 1:] - width * slope[:, :, 1:])
+            panel, row, at = np.nonzero((slope[:, :, :-1] > 0) & (slope[:, :, 1:] <= 0) & (most >= highest[:, None]))
+            polynomials = slopes[panel, row].T
+            x = bracketed_roots(lambda places, of=polynomials: values_and_slopes(of, places), samples[at], samples[at + 1], absolute=1e-12)
+            found.append(middle[panel] + half[panel] * x)
+        return np.unique(np.concatenate(found))
+
 
 def last_terms(values: Array) -> Array:
     """The larger (...) of the last two Legendre terms of polynomials through values (q, ...) at the nodes: what they miss of a function."""
@@ -109,7 +140,12 @@ def last_terms(values: Array) -> Array:
 
 
 def resolve(
-    sample: Callable[[Array], Array], borders: Array, missed: Callable[[Array], Array], share: float = 1e-11, narrowest: float = 1e-7
+    sample: Callable[[Array], Array],
+    borders: Array,
+    missed: Callable[[Array], Array],
+    share: float = 1e-11,
+    narrowest: float = 1e-7,
+    whole: float | None = None,
 ) -> tuple[Panels, int]:
     """Sample functions over panels, and halve these until polynomials resolve the functions.
 
@@ -119,6 +155,7 @@ def resolve(
         missed: returns (p,) what polynomials through values (q, rows, p) miss on each panel, as a share.
         share: that they may miss.
         narrowest: half the width of panels that are not halved again: what these do not resolve lies at a lock.
+        whole: width of all panels, where what a panel misses counts by its share of them, as in an integral; None: it counts as it is.
 
     Returns:
         The panels, without a period, and the number of angles at which the functions were computed.
@@ -131,7 +168,7 @@ def resolve(
         angles = (starts + half)[:, None] + half[:, None] * rule.nodes
         values = np.moveaxis(sample(angles.ravel()).reshape(-1, *angles.shape), 2, 0)
         points += angles.size
-        misses = missed(values)
+        misses = missed(values) if whole is None else missed(values) * (ends - starts) / whole
         # Halving a panel that is nearly resolved divides what is missed by thousands. What it does not even divide by 10 is rounding, as
         # near change points.
         rounding = (misses <= 1e-8) & (misses > coarser / 10.0)
