@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion, blank, finite, is_constant
 from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart
 from .inverse_dynamics import in_other_states
-from .peaks import peak_states
+from .peaks import between_states
 from .reactions import Reactions
 
 MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]
@@ -117,7 +116,7 @@ def cam(press: Linkage, reactions: Reactions, name: str) -> CamReactions:
         raise PinpressError(f"the reactions are of {told_apart(reactions._press, press)}: give reactions of {press.name}")
     states = _states(contact, reactions)
     finite(f"force in {name}", states.force)
-    peaks = _states(contact, peak_states(reactions, lambda each: _states(contact, each)[-4:]).reactions)
+    peaks = _states(contact, between_states(reactions, lambda each: _resolvable(_states(contact, each))).peak_states().reactions)
     geometry = contact.at(states.angle)
     with np.errstate(divide="ignore"):
         pitch_radius = 1.0 / geometry.curvature
@@ -174,6 +173,11 @@ def _states(contact: CamContact, reactions: Reactions) -> _States:
     return _States(angle, force, effort, effort * geometry.slope, pressure)
 
 
+def _resolvable(states: _States) -> Iterator[tuple[Array, float]]:
+    """What is resolved between states; the square of the pressure, which has no slope where the force begins."""
+    yield from ((values[:, None], 0.0) for values in (states.force, states.effort, states.torque, states.pressure**2))
+
+
 def _effort(contact: CamContact, reactions: Reactions) -> Array:
     """Effort (n,) of the cam on its follower, positive away from the cam [N; of an arm N m]."""
     return contact.sense * blank(reactions.motion, reactions._complete.relations[contact.relation])
@@ -207,7 +211,12 @@ def _lift_off_speed(contact: CamContact, reactions: Reactions) -> float | None:
 
     share = 1.0
     for _ in range(MOST_STEPS):
-        peaks = peak_states(reactions, partial(at_rest_and_need, share=share)).reactions
+        trial = share
+
+        def efforts(each: Reactions, trial: float = trial) -> Iterator[tuple[Array, float]]:
+            yield from ((values[:, None], 0.0) for values in at_rest_and_need(each, trial))
+
+        peaks = between_states(reactions, efforts).peak_states().reactions
         for step in range(MOST_STEPS):
             rest, need = at_rest_and_need(peaks, share)
             if rest.min() <= 0.0:

@@ -19,7 +19,7 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import ROUNDING, Motion, finite, is_constant
 from ..kinematics.poses import poses
-from .peaks import MeanStates, PeakStates, Resolved, given_states, resolved
+from .peaks import GivenStates, MeanStates, PeakStates, Resolved, between_states
 from .reactions import Reactions, carrying
 
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
@@ -107,19 +107,17 @@ def at_peaks(reactions: Reactions) -> PeakStates:
     Raises:
         PinpressError: forces between the states are not finite.
     """
-    between = _between(reactions)
-    return _kept(reactions, "_peaks", lambda: given_states(reactions)[0] if between is None else between.peak_states())
+    return _kept(reactions, "_peaks", lambda: _between(reactions).peak_states())
 
 
 def over_time(reactions: Reactions) -> MeanStates:
     """States for integrals over time of the quantities that `extremes` lists: by Gauss's rule, or the given states by trapezoids if nothing
     is known between them. They are found once for all readers; raises as `at_peaks`."""
-    between = _between(reactions)
-    return _kept(reactions, "_over_time", lambda: given_states(reactions)[1] if between is None else between.mean_states())
+    return _kept(reactions, "_over_time", lambda: _between(reactions).mean_states())
 
 
-def _between(reactions: Reactions) -> Resolved | None:
-    return _kept(reactions, "_resolved", lambda: resolved(reactions, listed))
+def _between(reactions: Reactions) -> Resolved | GivenStates:
+    return _kept(reactions, "_between", lambda: between_states(reactions, _listed))
 
 
 T = TypeVar("T")
@@ -134,7 +132,7 @@ def _kept(reactions: Reactions, name: str, find: Callable[[], T]) -> T:
     return kept
 
 
-def listed(reactions: Reactions) -> Iterator[tuple[Array, float]]:
+def _listed(reactions: Reactions) -> Iterator[tuple[Array, float]]:
     """All quantities of which extremes are listed, in groups (n, k) with the size below which they need fewer digits; vectors with their
     squares, because a magnitude is not smooth near zero."""
     motion, size = reactions.motion, reactions._press.size
@@ -151,8 +149,9 @@ def listed(reactions: Reactions) -> Iterator[tuple[Array, float]]:
         yield (reactions.process_force * motion.slide_velocity)[:, None], 0.0
     yield speed, 0.0
     yield torque, moment
-    yield torque * speed, moment * float(np.abs(speed).max(initial=0.0))
-    yield losses, FEWER_DIGITS * float(losses.max(initial=0.0))
+    power = moment * float(np.abs(speed).max(initial=0.0))
+    yield torque * speed, power
+    yield losses, max(power, FEWER_DIGITS * float(losses.max(initial=0.0)))
     if isinstance(motion, DrivenMotion):
         yield motion.drive_torque.reshape(count, -1), 0.0
     yield from ((pair[:, :1], moment) for pair in reactions.coupling_torque.values())

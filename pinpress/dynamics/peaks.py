@@ -16,20 +16,21 @@ from functools import cached_property
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, caution
 from ..common.numerics import bracketed_roots, gauss_rule, polynomial_values, quintics
 from ..common.quantities import Array
 from ..engines.machine_elements.cams import CamContact
 from ..kinematics.cycle import POINTS, moved
 from ..kinematics.motion import Motion, is_constant, is_cycle
-from ..kinematics.panels import Panels, last_terms, resolve
 from ..loads import caller_laws
 from ..loads.link import LinkLoad, PointForce, PointMoment
 from ..loads.link import is_constant as is_constant_load
 from ..loads.process import ProcessLoad, TimeForce, datum
 from .applied_loads import RelativeTurn, intervals_of, relative_turn, turn_between
 from .inverse_dynamics import in_other_states
+from .panels import Panels, last_terms, resolve
 from .reactions import Reactions
 
 SIDE = 1e-8
@@ -38,6 +39,7 @@ MOST_STEPS = 20  # of Newton's method to a corner of a cam, which takes three or
 PANELS = 16  # a turn; they resolve most presses at once
 MISSED = 1e-9  # what a panel may miss of an integral over the whole motion: three digits more than are printed
 MOST_STATES = 10_000  # of a table between whose states quantities are looked at; a panel from each to the next would take gigabytes
+MOST_NODES = 20 * MOST_STATES  # of panels: friction that reverses a thousand times takes fewer, a force that is noise has no end
 
 Quantities = Callable[[Reactions], Iterable[tuple[Array, float]]]
 """Quantities in n states, as groups (n, k) with the size below which the quantities of a group need fewer digits."""
@@ -103,7 +105,7 @@ class Resolved:
     jumps: Array
     distance: Array
     panels: Panels
-    varies: Array
+    varies: NDArray[np.bool_]
 
     def peak_states(self) -> PeakStates:
         """The states of the motion, those on both sides of jumps, and those in which quantities are largest or smallest."""
@@ -129,10 +131,35 @@ class Resolved:
         return MeanStates(reactions, (half[:, None] * rule.weights).ravel(), self.panels.borders)
 
 
-def resolved(
+@dataclass(frozen=True, eq=False)
+class GivenStates:
+    """A motion of which nothing is known between its states."""
+
+    reactions: Reactions
+
+    def peak_states(self) -> PeakStates:
+        """The given states."""
+        return PeakStates(self.reactions, ("",) * len(self.reactions.motion.crank_angle))
+
+    def mean_states(self) -> MeanStates:
+        """The given states by trapezoids over time, all alike if they have no times."""
+        motion = self.reactions.motion
+        weight = np.ones(len(motion.crank_angle))
+        if motion._time is not None and len(weight) > 1:
+            steps = np.diff(motion.time)
+            last = steps[-1] if is_cycle(motion) else 0.0
+            weight = 0.5 * (np.append(steps, last) + np.append(last, steps))
+        return MeanStates(self.reactions, weight, np.zeros(0))
+
+
+class _UnsettledError(Exception):
+    """Polynomials do not resolve the quantities."""
+
+
+def between_states(
     reactions: Reactions, quantities: Quantities, reversing: Callable[[Motion], Iterable[tuple[Array, Array]]] | None = None
-) -> Resolved | None:
-    """Resolve quantities along a motion; None if nothing is known between its states.
+) -> Resolved | GivenStates:
+    """Resolve quantities along a motion.
 
     Some motions are known in their states alone: states that do not follow each other in time, several drivers that follow a table, and
     loads given as arrays.
@@ -141,18 +168,26 @@ def resolved(
         reactions: to the motion.
         quantities: that are resolved.
         reversing: gives values and slopes in time (n,) of functions that pass zero where a quantity has a corner.
+
+    Warns:
+        PinpressWarning: no panels resolve the quantities, so that only the given states are left.
     """
     path = _path(reactions)
     if path is None:
-        return None
+        return GivenStates(reactions)
     jumps, distance = _jumps(reactions, path)
     corners = [] if reversing is None else [_roots(path, _one_of(reversing, k)) for k in range(len(list(reversing(path.motion))))]
     borders = np.unique(np.concatenate([path.smooth_between, path.inside(jumps), *corners]))
     borders = np.append(borders[:-1][np.diff(borders) > 2 * SIDE * path.step], borders[-1])
     whole = float(borders[-1] - borders[0])
     sizes: list[Array] = []
+    count = 0
 
     def sample(times: Array) -> Array:
+        nonlocal count
+        count += len(times)
+        if count > MOST_NODES:
+            raise _UnsettledError
         order = np.argsort(times)  # halved panels come in another order
         groups = list(quantities(in_other_states(reactions, path.at(times[order]))))
         rows = np.concatenate([values.T for values, _ in groups])
@@ -166,20 +201,14 @@ def resolved(
         """Of the integrals: what the polynomial misses, times the share of the panel, which is not known here."""
         return np.asarray((last_terms(values) / np.where(sizes[0] > 0.0, sizes[0], 1.0)[:, None]).max(axis=0))
 
-    panels, _ = resolve(sample, borders, missed, MISSED, narrowest=1e-8 * whole, whole=whole)
+    try:
+        panels, _ = resolve(sample, borders, missed, MISSED, narrowest=1e-8 * whole, whole=whole)
+    except _UnsettledError:
+        problem = f"a load of {reactions._press.name} jumps from state to state, however close these are"
+        caution(f"{problem}: largest values and means are those of the given states; give a smooth law, or one of few steps")
+        return GivenStates(reactions)
     reach = np.abs(panels.coefficients[:, :, 1:]).sum(axis=2).max(axis=0)
     return Resolved(path, jumps, distance, panels, reach > 1e-9 * sizes[0])
-
-
-def given_states(reactions: Reactions) -> tuple[PeakStates, MeanStates]:
-    """Peaks and means of the given states, of a motion about which nothing is known between them: trapezoids over time, else all alike."""
-    motion, count = reactions.motion, len(reactions.motion.crank_angle)
-    weight = np.ones(count)
-    if motion._time is not None and count > 1 and np.all(np.diff(motion.time) > 0):
-        steps = np.diff(motion.time)
-        last = steps[-1] if is_cycle(motion) else 0.0
-        weight = 0.5 * (np.append(steps, last) + np.append(last, steps))
-    return PeakStates(reactions, ("",) * count), MeanStates(reactions, weight, np.zeros(0))
 
 
 def states_at(reactions: Reactions, angles: Array) -> Reactions:
@@ -266,13 +295,12 @@ class _Path:
         if isinstance(motion, Simulated):
             return motion.at_times(times)
         if self.even:
-            speed = float(motion.crank_speed[0])
-            angle = motion.crank_angle[0] + speed * (times - self.times[0])
-            still = np.zeros(len(times))
-            return moved(press, press.branch_through_change_points, angle, still + speed, still, times, self.reactions.engine)
+            even = np.full(len(times), motion.crank_speed[0])
+            angle = motion.crank_angle[0] + even * (times - self.times[0])
+            return moved(press, press.branch_through_change_points, angle, even, 0.0 * even, times, self.reactions.engine)
         place = (np.searchsorted(self.times, times, side="right") - 1).clip(0, len(self.times) - 2)
         polynomials = self._polynomials[:, place]
-        derivatives = (np.polynomial.polynomial.polyder(polynomials, order) for order in range(3))
+        derivatives = (np.asarray(np.polynomial.polynomial.polyder(polynomials, order), dtype=float) for order in range(3))
         angle, speed, acceleration = (polynomial_values(each, times - self.times[place]) for each in derivatives)
         return moved(press, press.branch_through_change_points, angle, speed, acceleration, times, self.reactions.engine)
 

@@ -32,7 +32,7 @@ from . import applied_loads
 from .shaking import shaking
 from .teeth import ToothForces, tooth_forces
 
-BETWEEN = ("_resolved", "_peaks", "_over_time")  # what `extremes` keeps of reactions between their states
+BETWEEN = ("_between", "_peaks", "_over_time")  # what `extremes` keeps of reactions between their states
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
 

@@ -7,7 +7,7 @@ equal states would be wrong for a blow of a few degrees.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -22,8 +22,7 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Columns
 from ..dynamics.applied_loads import RelativeTurn, turn_between
-from ..dynamics.extremes import at_peaks
-from ..dynamics.peaks import integration_states, peak_states
+from ..dynamics.peaks import between_states
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, is_cycle
 from ..kinematics.poses import rotation_of
@@ -185,20 +184,31 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     press, motion = reactions._press, reactions.motion
     turns = {name: _turn(press, name, given) for name, given in bearings.items()}
-    states, weight = integration_states(reactions, lambda motion: [(turn.angle(motion.v), turn.angle(motion.a)) for turn in turns.values()])
-    peaks = at_peaks(reactions).reactions
+    if motion._time is None or len(motion.time) < 2:
+        raise PinpressError("the motion has no times, over which to integrate: give servo_cycle(press, angle, time=time)")
+
+    def quantities(reactions: Reactions) -> Iterator[tuple[Array, float]]:
+        for name, turn in turns.items():
+            given, place, rate = bearings[name], turn.angle(reactions.motion.joint_position), np.abs(turn.angle(reactions.motion.v))
+            pressing = _on_gibs(reactions, name, given) if isinstance(given, Gibs) else (_across(reactions, name, turn),)
+            yield from ((values[:, None], 0.0) for values in (place, rate, *pressing, pressing[-1] * rate))
+
+    between = between_states(
+        reactions, quantities, lambda motion: [(turn.angle(motion.v), turn.angle(motion.a)) for turn in turns.values()]
+    )
+    peaks, (states, weight, _) = between.peak_states().reactions, between.mean_states()
     time, strokes = float(weight.sum()), _strokes(press, motion)
 
     uses = {}
     for name, turn in turns.items():
         given, rate = bearings[name], np.abs(turn.angle(states.motion.v))
         if isinstance(given, Gibs):
-            uses[name] = _of_guide(reactions, name, given, turn, states, weight, strokes)
+            uses[name] = _of_guide(peaks, name, given, turn, states, weight, strokes)
             continue
         force = _across(states, name, turn)
         at_peak = _across(peaks, name, turn)
         worst = int(at_peak.argmax())
-        largest, angle = float(at_peak[worst]), turn.angle(states.motion.joint_position)
+        largest, angle = float(at_peak[worst]), turn.angle(peaks.motion.joint_position)
         way = float(weight @ rate)
         through = is_cycle(motion) and abs(float(weight @ turn.angle(states.motion.v))) > 1e-9 * way
         place = float(np.ravel(peaks.motion.crank_angle[worst])[0])
@@ -207,8 +217,7 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
             speed = 0.5 * given.diameter * rate
             most = 0.5 * given.diameter * float((at_peak * np.abs(turn.angle(peaks.motion.v))).max())
             area = given.diameter * given.width
-            largest = max(most, float((force * speed).max())) / area
-            pressed = replace(use, largest_pressure=use.largest_force / area, largest_pv=largest)
+            pressed = replace(use, largest_pressure=use.largest_force / area, largest_pv=most / area)
             uses[name] = _rubbed(pressed, given.wear_rate, force / area, speed, weight, strokes)
         else:
             uses[name] = _of_rolling(use, given, force / given.count, rate, weight, strokes)
@@ -267,10 +276,9 @@ def _on_gibs(reactions: Reactions, name: str, gibs: Gibs) -> _GibLoad:
     return _GibLoad(across, tilting, gib_pressure(gibs, across, tilting, motion)[0])
 
 
-def _of_guide(reactions: Reactions, name: str, gibs: Gibs, turn: RelativeTurn, states: Reactions, weight: Array, strokes: float) -> PinUse:
-    """The use of a guide, with means over states with weights in time (n,) [s]."""
+def _of_guide(peaks: Reactions, name: str, gibs: Gibs, turn: RelativeTurn, states: Reactions, weight: Array, strokes: float) -> PinUse:
+    """The use of a guide, largest at its peaks, with means over states with weights in time (n,) [s]."""
     pressure, speed = _on_gibs(states, name, gibs).pressure, np.abs(turn.angle(states.motion.v))
-    peaks = peak_states(reactions, lambda found: _on_gibs(found, name, gibs)).reactions
     most, fastest = _on_gibs(peaks, name, gibs), np.abs(turn.angle(peaks.motion.v))
     worst = int(most.pressure.argmax())
     use = PinUse(
@@ -278,7 +286,7 @@ def _of_guide(reactions: Reactions, name: str, gibs: Gibs, turn: RelativeTurn, s
         float(most.normal.max()),
         float(np.ravel(peaks.motion.crank_angle[worst])[0]),
         largest_pressure=float(most.pressure[worst]),
-        largest_pv=max(float((pressure * speed).max()), float((most.pressure * fastest).max())),
+        largest_pv=float((most.pressure * fastest).max()),
         largest_tilting=float(most.tilting.max()),
     )
     return _rubbed(use, gibs.wear_rate, pressure, speed, weight, strokes)

@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 from ..common.errors import PinpressError
 from ..common.numerics import NODES
 from ..common.quantities import Array
+from ..dynamics.panels import POWERS, Panels, last_terms, resolve
 from ..engines.engine import ClosedStates
 from ..engines.friction import MOST_ITERATIONS, FrictionLaw, fixed_point
 from ..engines.machine_elements.forces import bearing_loads
 from ..engines.wrenches import AppliedConditions, AppliedForce
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
-from ..kinematics.panels import POWERS, Panels, last_terms, resolve
 from ..linkage.linkage import Linkage
 from .failures import failure
 from .reduced_model import ReducedModel

@@ -19,11 +19,11 @@ import numpy as np
 
 from ..common.errors import SimulationError
 from ..common.quantities import Array, DriverCoordinate
+from ..dynamics.panels import Panels, last_terms, resolve
 from ..engines.branch import MOST_TURNS, periods_until_back
 from ..engines.energies import energies as energies_of_states
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
-from ..kinematics.panels import Panels, last_terms, resolve
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .failures import failure

@@ -131,6 +131,29 @@ def test_states_say_what_is_there():
     assert at_peaks(reactions) is found
 
 
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("seed", range(6))
+def test_no_number_depends_on_the_states(seed):
+    """Presses under loads that begin and end with a step, two of three with friction that reverses: 1e-8 is a hundredth of six digits."""
+    rng = np.random.default_rng(seed)
+    press = texts.shipped(("crank_slide", "zxn2_3000b", "pirica_double_knuckle")[seed % 3])
+    speed, (first, second) = float(rng.uniform(2.0, 8.0)) * (-1) ** seed, rng.uniform(2e-3, 1e-2, size=2)
+    loads = [ConstantForce(rng.uniform(1e5, 1e6), first), Blanking(rng.uniform(1e5, 1e6), second, second / 2)]
+    friction = {name: pp.loads.Friction(0.05, None if "guide" in name else 0.03) for name in press.bearings if seed % 3}
+    found, energies = [], []
+    for points in (90, 360, 1441):
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), loads, friction)
+        found.append({value.quantity: value for value in pp.measures.extremes(reactions)})
+        energies.append(pp.measures.driving_energy(reactions))
+    for name, value in found[-1].items():
+        for other in found[:-1]:
+            numbers = [(each.smallest, each.largest, each.rms) for each in (other[name], value)]
+            np.testing.assert_allclose(*numbers, rtol=0, atol=1e-8 * largest(value) + 1e-9, err_msg=name)
+    for name in ("work", "mean_torque", "rms_torque", "largest_torque", "stored", "lowest_at", "highest_at"):
+        few, some, many = (getattr(energy, name) for energy in energies)
+        assert (few, some) == pytest.approx((many, many), rel=1e-8), name
+
+
 @pytest.mark.parametrize("points", [100, 400])
 def test_rms_of_a_step_is_an_integral(points):
     found = extremes(massless(), [ForceStroke([0.0, EDGE], [FORCE, FORCE])], points)["driving torque"]
@@ -165,6 +188,14 @@ def test_a_run_meets_its_steps():
     even = extremes(press, loads, 720, 10.0)
     for name in ("force in slide_guide, magnitude", "force in W, magnitude", "force in P, magnitude"):
         assert found[name].largest == pytest.approx(even[name].largest, rel=1e-3), name
+
+
+def test_a_force_that_is_noise_is_said():
+    press, rng = texts.shipped("crank_slide"), np.random.default_rng(1)
+    load = pp.loads.TimeForce(lambda time: 1e3 * rng.standard_normal(np.shape(time)))
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 10.0, points=50), [load])
+    with pytest.warns(pp.PinpressWarning, match="largest values and means are those of the given states"):
+        assert at_peaks(reactions).reactions is reactions
 
 
 def test_loads_given_state_by_state_leave_the_states_alone():

@@ -15,7 +15,7 @@ from ...common.numerics import gauss_rule, horner, polynomial_root
 from ...common.products import product
 from ...common.quantities import Array
 from ...drives.protocol import Drive, corners_of
-from ...kinematics.panels import last_terms
+from ...dynamics.panels import last_terms
 from ..driven_press import DrivenPress
 from . import collocation
 from .collocation import FLOOR, LEAST, CollocationSolution

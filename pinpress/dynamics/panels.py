@@ -6,7 +6,7 @@ A function is sampled at the nodes of Gauss's quadrature. A panel is halved wher
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,7 +120,7 @@ class Panels:
         found = [np.zeros(0)]
         for sign in (1.0, -1.0):
             value, slope = sign * values, sign * rising
-            by_row = value.swapaxes(0, 1).reshape(value.shape[1], -1)
+            by_row = value.swapaxes(0, 1).reshape(value.shape[1], len(value) * len(samples))
             highest = by_row.max(axis=1)
             panel, at = np.divmod(by_row.argmax(axis=1), len(samples))
             found.append(middle[panel] + half[panel] * samples[at])
@@ -128,7 +128,7 @@ class Panels:
             most = np.minimum(value[:, :, :-1] + width * slope[:, :, :-1], value[:, :, 1:] - width * slope[:, :, 1:])
             panel, row, at = np.nonzero((slope[:, :, :-1] > 0) & (slope[:, :, 1:] <= 0) & (most >= highest[:, None]))
             polynomials = slopes[panel, row].T
-            x = bracketed_roots(lambda places, of=polynomials: values_and_slopes(of, places), samples[at], samples[at + 1], absolute=1e-12)
+            x = bracketed_roots(partial(values_and_slopes, polynomials), samples[at], samples[at + 1], absolute=1e-12)
             found.append(middle[panel] + half[panel] * x)
         return np.unique(np.concatenate(found))
 
