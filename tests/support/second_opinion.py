@@ -139,6 +139,7 @@ def beyond_its_drive(scene: Scene, run: Any) -> str:
     drive, wheel = scene.given.get("drive"), scene.given.get("flywheel")
     motor = getattr(drive, "drive", drive)
     givers = (
+        pp.loads.ConstantForce,  # acts both ways
         pp.loads.PointForce,
         pp.loads.SpringDamper,
         pp.loads.PneumaticCushion,
@@ -367,8 +368,8 @@ def opinions(kind: str, seeds: Iterable[int], tell: Callable[[str], None] = lamb
     """A verdict a seed; what is no agreement is told."""
     draw, judge = KINDS[kind]
     for seed in seeds:
-        scene = heard(lambda seed=seed: draw(seed))[0]
-        verdict = heard(lambda scene=scene: judge(scene))[0]
+        scene, refusal, _ = heard(lambda seed=seed: draw(seed))
+        verdict = Verdict("refused", refusal) if scene is None else heard(lambda scene=scene: judge(scene))[0]
         if verdict.word in ("disagree", "partly"):
             tell(f"{verdict.word}: {scene}\n    {verdict.detail}")
         yield verdict
