@@ -238,7 +238,8 @@ def safety_distance(result: SafetyDistance, page: object = None) -> tuple[Sectio
     """A safety distance with its addends."""
     names, times, lengths, sources = zip(*result.addends, strict=True)
     columns = [Column("addend", names), Column("time", times, "s"), Column("length", lengths, "height"), Column("from", sources)]
-    figures = [Figure("distance by the formula", result.distance, "height", result.edition)]
+    figures = [Figure("distance by the formula", result.distance, "height", f"all springs, {result.edition}")]
+    figures += [Figure("distance by the formula", distance, "height", name) for name, distance in result.failed.items()]
     note = f"{result.formula}. {NO_ADVICE}"
     return (Section("Safety distance", figures, [Table("addends", "Addends", columns)], note=note),)
 

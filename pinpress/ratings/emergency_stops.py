@@ -8,7 +8,8 @@ does not hold the press, the time to standstill grows without bound, and no time
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -17,7 +18,7 @@ import numpy as np
 
 from ..common import plausibility
 from ..common.arguments import in_unit, positive, suitable_numbers, truth_value, typed
-from ..common.errors import PinpressError, caution
+from ..common.errors import PinpressError, caution, cautions_collected
 from ..common.frozen import FrozenMapping, read_only
 from ..common.numerics import sign_change
 from ..common.quantities import GRAVITY, Array
@@ -40,6 +41,7 @@ STATICS = math.radians(0.5)  # between poses in which the holding torque is comp
 LONGER = 1e-7  # by which a stop must last longer than another one to count as longer [s]
 INSTANTS = 257  # of a stop among which the one is where the crank turns back: it hardly moves there
 NARROW = 1e-10  # bracket of a searched angle [rad]
+BARELY = 1.01  # holding torque margin below which stops grow long in so narrow a range of signals that one may hide another
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,7 +71,8 @@ class Braking(Tabular):
     """The stops of a press with one state of its brake and loads. All arrays are read-only.
 
     Attributes:
-        signal: (n,) crank angles of the signals [rad]; empty, as the next arrays, if the brake does not hold.
+        signal: (n,) crank angles of the signals [rad], the searched ones of all cases among them; empty, as the next arrays, if the brake
+            does not hold.
         torque: of the closed brake at the crank [N m].
         margin: torque / largest torque by which weights and loads turn the standing crank [-]; infinite if nothing turns it.
         slips: crank angles between which the brake does not hold the press [rad], and which way the press then turns. Empty if it holds.
@@ -193,9 +196,14 @@ class StoppingTimes(OfPress, Tabular):
         if (other := self.cases[FULL].worst_elsewhere) is not None:
             outside = f"{other.time:.4g} s after a signal at {math.degrees(other.signal % (2 * np.pi * self._press.period_turns)):.2f} deg"
             caution(f"a stop takes {outside}, outside of the closing stroke, and the distance is that of {self.worst.time:.4g} s")
-        in_quarter = float(np.interp(0.5 * np.pi, np.abs(self.signal - self.signal[0]), self.cases[FULL].time))
-        times = {"stopping": self.worst.time, "at 90 deg": in_quarter, "control": self.control, "device": self.device}
-        return safety_distance(edition, times, self.monitor, lengths, truth_value("two_hand", two_hand))
+        found: dict[str, SafetyDistance] = {}
+        for name, case in self.cases.items():
+            if case.worst is not None:
+                in_quarter = float(np.interp(0.5 * np.pi, np.abs(self.signal - self.signal[0]), case.time))
+                times = {"stopping": case.worst.time, "at 90 deg": in_quarter, "control": self.control, "device": self.device}
+                with nullcontext() if name == FULL else cautions_collected():
+                    found[name] = safety_distance(edition, times, self.monitor, lengths, truth_value("two_hand", two_hand))
+        return replace(found[FULL], failed={name: each.distance for name, each in found.items() if name != FULL})
 
 
 @typed
@@ -233,6 +241,10 @@ def stopping(
             angle. The message names the angles.
         SimulationError: see `simulate`.
         SingularityError: the linkage locks within the period.
+
+    Warns:
+        PinpressWarning: in some case the brake barely holds the press: after some signals a stop may then be longer than the longest one
+            that was found.
     """
     press.refuse_several_drivers("a stop is of one crank; simulate(press, ..., drive={...}) runs several")
     press.refuse_sliding_driver("a stop is of a crank; simulate(press, ...) runs others")
@@ -250,12 +262,22 @@ def stopping(
     refuse_unrated(press, loads, {}, at_speed=True)
     signal, closing = _signals(press, math.copysign(1.0, speed))
     runs = {FULL: (torque, tuple(loads)), HALF: (0.5 * torque, tuple(loads))} | ({UNLOADED: (torque, ())} if loads else {})
-    cases = {}
+    cases, brakes = {}, {}
     for name, (effort, acting) in runs.items():
-        braked = BrakedPress(press, speed, effort, times["delay"], times["rise"], inertia, acting)
-        cases[name] = _braking(braked, signal, closing)
+        brakes[name] = BrakedPress(press, speed, effort, times["delay"], times["rise"], inertia, acting)
+        cases[name] = _braking(brakes[name], signal, closing)
         if name == FULL and cases[name].slips:
             raise PinpressError(f"the brake of {torque:g} N m {_slipping(cases[name])}: give a stronger brake, or a balance cylinder")
+        if cases[name].worst is not None and cases[name].margin < BARELY:
+            caution(
+                f"{name}: the brake barely holds the press, with {cases[name].margin:.4g} times its holding torque. In narrow ranges of the"
+                " signal a stop then takes very long, and a longer one than the longest here may be missed: give a stronger brake"
+            )
+    searched = _searched(cases, signal, closing, math.copysign(2 * np.pi * press.period_turns, speed))
+    cases = {name: _with_stops(brakes[name], case, searched) for name, case in cases.items()}
+    signal, closing = np.append(signal, [*searched]), np.append(closing, [*searched.values()])
+    order = np.argsort(math.copysign(1.0, speed) * signal)
+    signal, closing = signal[order], closing[order]
     return StoppingTimes(
         _press=press,
         speed=speed,
@@ -358,6 +380,31 @@ def _braking(braked: BrakedPress, signal: Array, closing: Array) -> Braking:
     elsewhere = _elsewhere(stop, stops, closing, math.copysign(period, braked.speed), longest)
     top = _top_stop(braked, stop, stops)
     return Braking(read_only(signal), braked.torque, margin, (), time, overrun, travel, longest, elsewhere, top)
+
+
+def _searched(cases: Mapping[str, Braking], signal: Array, closing: Array, whole: float) -> dict[float, bool]:
+    """The searched signals of all cases that are not among signals (n,) of a period ``whole``, and whether the slide closes there."""
+    worst = [
+        (stop.signal, closes) for case in cases.values() for stop, closes in ((case.worst, True), (case.worst_elsewhere, False)) if stop
+    ]
+    found: dict[float, bool] = {}
+    for angle, closes in worst:
+        place = signal[0] + math.copysign((math.copysign(1.0, whole) * (angle - signal[0])) % abs(whole), whole)
+        if np.abs(np.append(signal, [*found]) - place).min() > NARROW:
+            found[float(place)] = closes
+    return found
+
+
+def _with_stops(braked: BrakedPress, case: Braking, signals: Iterable[float]) -> Braking:
+    """The case with stops after more signals, in the order of running."""
+    if case.worst is None:
+        return case
+    stops = [braked.stop(signal, braked.longest(braked.torque / case.margin)) for signal in signals]
+    columns = {
+        name: np.append(getattr(case, name), [getattr(each, name) for each in stops]) for name in ("signal", "time", "overrun", "travel")
+    }
+    order = np.argsort(math.copysign(1.0, braked.speed) * columns["signal"])
+    return replace(case, **{name: read_only(column[order]) for name, column in columns.items()})
 
 
 def _longest(stop: StopAfter, stops: Sequence[Stop], among: Sequence[int]) -> Stop:

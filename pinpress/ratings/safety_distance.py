@@ -7,7 +7,7 @@ Every addend is named, with its source. Nothing here is advice. No table of a st
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..common.arguments import in_unit, suitable_numbers
 from ..common.errors import PinpressError, caution, shown
@@ -40,12 +40,15 @@ class SafetyDistance(Tabular):
         distance: S [m].
         addends: the terms of the sum: name, time [s] or None, length [m], and source.
         formula: as text, with the sources of its constants.
+        failed: "half of the springs", and "without the loads" if there are any -> the distance with such a failure [m]; without those that
+            the brake does not hold.
     """
 
     edition: str
     distance: float
     addends: tuple[tuple[str, float | None, float, str], ...]
     formula: str
+    failed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def title(self) -> str:

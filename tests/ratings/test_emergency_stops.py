@@ -10,6 +10,7 @@ from support.oracles import balance_by_hand as six_bar
 from support.texts import shipped
 
 import pinpress as pp
+from pinpress.ratings import emergency_stops
 from pinpress.ratings.emergency_stops import FULL, HALF, UNLOADED, BrakedPress
 from pinpress.ratings.limits import without_masses
 from pinpress.ratings.safety_distance import safety_distance
@@ -101,7 +102,7 @@ def test_worst_signal_is_searched_and_a_brake_that_slips_has_no_time(stops: pp.r
     assert stops.worst.time == pytest.approx(0.239627928, abs=5e-9)  # the search of that script ended 0.003 deg beside the worst signal
     assert math.degrees(stops.worst.signal) == pytest.approx(178.3020, abs=5e-3)
     assert stops.worst.travel == pytest.approx(0.15737, abs=2e-5)
-    assert stops.worst.time > full.time.max()
+    assert stops.worst.time == full.time.max() == full.time[stops.closing].max()
     assert full.margin == pytest.approx(25e3 / 14989.069, rel=1e-6)  # that one is the largest in steps of 0.25 deg
     assert full.top_stop is not None
     assert math.degrees(full.top_stop.overrun) == pytest.approx(14.98461382, abs=1e-7)
@@ -154,7 +155,8 @@ def test_a_failed_balance_cylinder_is_a_case_of_its_own() -> None:
 def test_a_longer_stop_right_before_top_dead_centre_is_found() -> None:
     press, speed = shipped("zxn2_3000b"), 50 * pp.RPM
     brake = 1.0002 * 14989.069
-    stops = pp.ratings.stopping(press, speed, brake, 0.03, 0.05)
+    with pytest.warns(pp.PinpressWarning, match=r"all springs: the brake barely holds the press, with 1\.000. times its holding torque"):
+        stops = pp.ratings.stopping(press, speed, brake, 0.03, 0.05)
     longest = stops.cases["all springs"].worst_elsewhere
     assert longest is not None
     assert math.degrees(longest.signal) % 360 == pytest.approx(155.41, abs=0.01)  # 0.085 deg before top dead centre
@@ -163,12 +165,30 @@ def test_a_longer_stop_right_before_top_dead_centre_is_found() -> None:
         stops.distance("ISO 13855:2010", resolution=0.014)
 
 
+def test_searched_signals_are_among_the_signals_and_failures_have_their_own_distance(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(emergency_stops, "STEP", math.radians(45))  # fewer signals are faster
+    press, up = shipped("crank_slide"), (pp.loads.PointForce("slide", (0.0, 0.0, 300.0)),)
+    holding = BrakedPress(press, 10.0, 1.0, 0.0, 0.0, 0.0, up).holding_torque(np.linspace(0.0, 2 * np.pi, 7201))
+    with pytest.warns(pp.PinpressWarning, match="half of the springs: the brake barely holds the press, with 1.004 times"):
+        stops = pp.ratings.stopping(press, 10.0, 2.008 * float(np.abs(holding).max()), 0.02, 0.03, control=0.01, loads=up)
+    assert (np.diff(stops.signal) > 0).all()
+    held = {name: case for name, case in stops.cases.items() if case.worst is not None}
+    assert {*held} == {FULL, HALF, UNLOADED}
+    for name, case in held.items():
+        assert np.array_equal(case.signal, stops.signal)
+        assert case.time[stops.closing].max() == case.worst.time, name
+    result = stops.distance("ISO 13855:2010", resolution=0.014)
+    assert {*result.failed} == {HALF, UNLOADED}
+    for name, found in result.failed.items():
+        assert 1e3 * found == pytest.approx(distance("ISO 13855:2010", held[name].worst.time + 0.01, resolution=0.014), rel=1e-12)
+    assert f"{1e3 * result.failed[HALF]:.3f} mm     half of the springs" in str(result)
+
+
 def test_a_slow_press_that_turns_back_before_its_brake_closes_goes_both_ways() -> None:
-    lifted = [pp.loads.PointForce("slide", (0.0, 0.0, 2e3))]
-    stops = pp.ratings.stopping(shipped("crank_slide"), 1.0, 2000.0, 0.25, 0.05, loads=lifted).cases["all springs"]
-    [k] = np.flatnonzero(np.abs(np.degrees(stops.signal) - 200.0) < 1e-6)
-    assert math.degrees(stops.overrun[k]) == pytest.approx(-33.13, abs=0.005)
-    assert stops.travel[k] == pytest.approx(0.01236, abs=2e-5)  # 6.54 mm from end to end
+    lifted = (pp.loads.PointForce("slide", (0.0, 0.0, 2e3)),)
+    stop = BrakedPress(shipped("crank_slide"), 1.0, 2000.0, 0.25, 0.05, 0.0, lifted).stop(math.radians(200.0), 3.0)
+    assert math.degrees(stop.overrun) == pytest.approx(-33.13, abs=0.005)
+    assert stop.travel == pytest.approx(0.01236, abs=2e-5)  # 6.54 mm from end to end
 
 
 # the formulas by hand: T [s], d [mm], S [mm]; the first one is printed by Rockwell 450L-UM001, p. 72
