@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -400,7 +400,7 @@ def _with_stops(braked: BrakedPress, case: Braking, signals: Iterable[float]) ->
     if case.worst is None:
         return case
     stops = [braked.stop(signal, braked.longest(braked.torque / case.margin)) for signal in signals]
-    columns = {
+    columns: dict[str, Any] = {
         name: np.append(getattr(case, name), [getattr(each, name) for each in stops]) for name in ("signal", "time", "overrun", "travel")
     }
     order = np.argsort(math.copysign(1.0, braked.speed) * columns["signal"])
