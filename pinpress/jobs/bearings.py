@@ -10,7 +10,7 @@ from ..common.errors import PinpressError
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction
 from ..pin_table.building import DrawnPress
-from ..pin_table.rods import rods
+from ..pin_table.rod_sections import rods
 from ..ratings.eccentric_loads import Gibs
 from ..ratings.pin_use import PlainBearing, RollingBearing
 from ..simulation.elastic.contact import Clearance

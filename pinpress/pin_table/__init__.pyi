@@ -1,4 +1,4 @@
 from .building import DrawnPress as DrawnPress
 from .building import draft as draft
 from .dependence import dimension as dimension
-from .rods import rods as rods
+from .rod_sections import rods as rods
