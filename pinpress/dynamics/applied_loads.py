@@ -204,6 +204,14 @@ def intervals_of(load: ProcessLoad) -> list[tuple[bool, ForceInterval]]:
     return [(downwards, interval) for downwards in (True, False) for interval in load.intervals(downwards)]
 
 
+def acting_between(load: ProcessLoad, press: "Linkage") -> list[tuple[bool, float, float]]:
+    """For each interval of a process load whether it is for downward travel, and the slide positions between which it acts, rising [m];
+    infinite where it has no end."""
+    intervals = intervals_of(caller_laws.asked_load(load))
+    zero = datum(caller_laws.as_given(load), press) if intervals else 0.0  # an idle press needs no datum
+    return [(downwards, each.lower + zero, each.upper + zero) for downwards, each in intervals]
+
+
 def _heights(press: "Linkage", motion: "Motion", zero: float) -> tuple[Array, Array]:
     """Heights (n,) of the slide above a slide position [m], and its velocities along the guide's axis (n,) [m/s]."""
     guide, offset, sign = press.slide_guide

@@ -17,8 +17,8 @@ from ..engines.machine_elements.cams import TURN, CamContact
 from ..kinematics.cycle import moved
 from ..kinematics.motion import Motion, blank, finite, is_constant
 from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart
+from .extremes import between_states
 from .inverse_dynamics import in_other_states
-from .peaks import between_states
 from .reactions import Reactions
 
 MODULUS, POISSON = 2.1e11, 0.3  # of steel [Pa, -]

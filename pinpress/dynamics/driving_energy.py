@@ -18,9 +18,8 @@ from ..common.numerics import NODES, gauss_rule, polynomial_values
 from ..common.quantities import Array
 from ..common.results import Record
 from ..kinematics.motion import is_constant, is_cycle
-from .extremes import at_peaks, over_time, rms_of
+from .extremes import MeanStates, at_peaks, over_time, rms_of
 from .panels import Panels
-from .peaks import MeanStates
 from .reactions import Reactions
 
 UNITS = {

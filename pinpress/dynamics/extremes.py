@@ -7,7 +7,7 @@ Signs and axes are those of `inverse_dynamics`. All functions raise `PinpressErr
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, TypeVar, runtime_checkable
 
@@ -15,11 +15,13 @@ import numpy as np
 
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError
+from ..common.numerics import bracketed_roots, gauss_rule
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
-from ..kinematics.motion import ROUNDING, Motion, finite, is_constant
+from ..kinematics.motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from ..kinematics.poses import poses
-from .peaks import GivenStates, MeanStates, PeakStates, Resolved, between_states
+from .between import SIDE, AlongMotion, Path, Resolved
+from .inverse_dynamics import in_other_states
 from .reactions import Reactions, carrying
 
 ROUNDING_OF_VALUES = 1e-12  # share of a quantity's largest value below which a value is rounding
@@ -116,7 +118,7 @@ def over_time(reactions: Reactions) -> MeanStates:
     return _kept(reactions, "_over_time", lambda: _between(reactions).mean_states())
 
 
-def _between(reactions: Reactions) -> Resolved | GivenStates:
+def _between(reactions: Reactions) -> ResolvedStates | GivenStates:
     return _kept(reactions, "_between", lambda: between_states(reactions, _listed))
 
 
@@ -124,7 +126,7 @@ T = TypeVar("T")
 
 
 def _kept(reactions: Reactions, name: str, find: Callable[[], T]) -> T:
-    """What was found of reactions, kept as a cached property would, which Reactions cannot have: `peaks` stands on it."""
+    """What was found of reactions, kept as a cached property would, which Reactions cannot have: these states are Reactions too."""
     derived = vars(reactions)
     if name not in derived:
         derived[name] = find()
@@ -216,6 +218,163 @@ def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values:
     smallest, largest = (0.0 if abs(value) < ROUNDING_OF_VALUES * size else value for value in (smallest, largest))
     width = largest - smallest if largest - smallest > ROUNDING_OF_VALUES * size else 0.0
     return kind(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
+
+
+# ----------------------------------------------------------------------------------------------------------- between and in the states
+
+
+Quantities = Callable[[Reactions], Iterable[tuple[Array, float]]]
+"""Quantities in n states, as groups (n, k) with the size below which the quantities of a group need fewer digits."""
+
+
+class PeakStates(NamedTuple):
+    """The reactions in a motion's states, and in those states between them in which quantities jump or are largest.
+
+    Attributes:
+        reactions: in all these states, in the order of time.
+        remarks: for each state a remark such as "where the load begins"; mostly empty.
+    """
+
+    reactions: Reactions
+    remarks: tuple[str, ...]
+
+
+class MeanStates(NamedTuple):
+    """States whose sum is an integral over the time of a motion.
+
+    Attributes:
+        reactions: in these states, those of a panel one after the other; the given reactions if nothing is known between their states.
+        weight: (n,) time for which each state counts [s]; the mean step where states have no times.
+        borders: (p + 1,) of the panels [s]; of given states none.
+    """
+
+    reactions: Reactions
+    weight: Array
+    borders: Array
+
+    @property
+    def share(self) -> Array:
+        """(n,) of the time for which each state counts."""
+        return np.asarray(self.weight / self.weight.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class ResolvedStates:
+    """Reactions over a motion that is known between its states, with quantities that are resolved.
+
+    Attributes:
+        reactions: to the motion.
+        path: the motion between its states.
+        resolved: the quantities over time.
+    """
+
+    reactions: Reactions
+    path: Path
+    resolved: Resolved
+
+    def peak_states(self) -> PeakStates:
+        """The states of the motion, those on both sides of jumps, and those in which quantities are largest or smallest."""
+        path, reactions, (jumps, distance) = self.path, self.reactions, self.path.jumps
+        # also at a jump itself, where a bearing with friction rests
+        sides = path.inside(np.concatenate([jumps - distance, jumps, jumps + distance]))
+        known = np.union1d(reactions.motion.time, sides)
+        peaks = self.resolved.panels.peaks(self.resolved.varies)
+        behind = np.searchsorted(known, peaks).clip(1, len(known) - 1)
+        apart = np.minimum(np.abs(peaks - known[behind - 1]), np.abs(peaks - known[behind])) > SIDE * path.step
+        times = np.union1d(known, path.inside(peaks[apart]))
+        if len(times) == len(reactions.motion.time):
+            return PeakStates(reactions, ("",) * len(times))
+        found = in_other_states(reactions, path.at(times))
+        return PeakStates(found, _remarks(found, times, jumps, distance))
+
+    def mean_states(self) -> MeanStates:
+        """The nodes of the panels."""
+        borders, rule = self.resolved.panels.borders, gauss_rule()
+        half = 0.5 * np.diff(borders)
+        times = (borders[:-1] + half)[:, None] + half[:, None] * rule.nodes
+        reactions = in_other_states(self.reactions, self.path.at(times.ravel()))
+        return MeanStates(reactions, (half[:, None] * rule.weights).ravel(), borders)
+
+
+@dataclass(frozen=True, eq=False)
+class GivenStates:
+    """A motion of which nothing is known between its states."""
+
+    reactions: Reactions
+
+    def peak_states(self) -> PeakStates:
+        """The given states."""
+        return PeakStates(self.reactions, ("",) * len(self.reactions.motion.crank_angle))
+
+    def mean_states(self) -> MeanStates:
+        """The given states by trapezoids over time, all alike if they have no times."""
+        motion = self.reactions.motion
+        weight = np.ones(len(motion.crank_angle))
+        if motion._time is not None and len(weight) > 1:
+            steps = np.diff(motion.time)
+            last = steps[-1] if is_cycle(motion) else 0.0
+            weight = 0.5 * (np.append(steps, last) + np.append(last, steps))
+        return MeanStates(self.reactions, weight, np.zeros(0))
+
+
+def between_states(reactions: Reactions, quantities: Quantities, corners: AlongMotion | None = None) -> ResolvedStates | GivenStates:
+    """The states of reactions in which quantities jump or are largest, and those that integrate them over time.
+
+    Args:
+        reactions: to a motion.
+        quantities: that are resolved.
+        corners: as of `Path.resolve`.
+
+    Warns:
+        PinpressWarning: no panels resolve the quantities, so that only the given states are left.
+    """
+    path = reactions._path
+    resolved = None if path is None else path.resolve(lambda motion: quantities(in_other_states(reactions, motion)), corners)
+    return GivenStates(reactions) if path is None or resolved is None else ResolvedStates(reactions, path, resolved)
+
+
+def states_at(reactions: Reactions, angles: Array) -> Reactions:
+    """The reactions in the states in which the first driver is at angles (m,) [rad or m], of a period in any of its turns.
+
+    Raises:
+        PinpressError: the driver does not reach an angle, or the motion is known only in its given states.
+    """
+    path, coordinate = reactions._path, reactions.motion.driver_coordinates[0]
+    if path is None:
+        raise PinpressError("the motion is known in its states alone: give at='states', or a motion of one driver with times")
+    drive, found = path.motion.crank_angle, []
+    for angle in angles:
+        wanted = angle
+        if path.closed and drive[-1] != drive[0]:
+            wanted = drive[0] + (angle - drive[0]) % (drive[-1] - drive[0])
+        beyond = drive - wanted
+        before = np.flatnonzero(np.signbit(beyond[:-1]) != np.signbit(beyond[1:]))
+        exact = path.times[beyond == 0.0]
+        if not len(before) and not len(exact):
+            ends = f"{coordinate.shown(drive.min())} to {coordinate.shown(drive.max())}"
+            raise PinpressError(f"the motion does not reach {coordinate.at(angle)}: it goes from {ends}")
+        roots = exact
+        if not len(exact):
+
+            def away(times: Array, wanted: float = wanted) -> tuple[Array, Array]:
+                motion = path.at(times)
+                return motion.crank_angle - wanted, motion.crank_speed
+
+            roots = bracketed_roots(away, path.times[before], path.times[before + 1], absolute=1e-6 * SIDE * path.step)
+        found.append(roots[:1])
+    return in_other_states(reactions, path.at(np.concatenate(found)))
+
+
+def _remarks(reactions: Reactions, times: Array, jumps: Array, distance: Array) -> tuple[str, ...]:
+    """A remark for each state; ``distance``: (k,) of the states on both sides of the k jumps [s]."""
+    remarks, force = [""] * len(times), reactions.process_force
+    rounding = 1e-6 * float(np.abs(force).max(initial=0.0))  # of the force, from one side of a jump to the other
+    for jump, side in zip(jumps, distance, strict=True):
+        before, after = (int(np.abs(times - place).argmin()) for place in (jump - side, jump + side))
+        change = abs(force[after]) - abs(force[before])
+        if abs(change) > rounding:
+            remarks[before] = remarks[after] = "where the load begins" if change > 0 else "where the load ends"
+    return tuple(remarks)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- what is rounding

@@ -106,6 +106,11 @@ class Panels:
             ends = np.append(ends, 0)
         return np.concatenate([inside, self.borders[ends]])
 
+    def integrals(self) -> Array:
+        """(rows,) over all panels."""
+        even = self.coefficients[:, :, ::2] @ (1.0 / (1.0 + POWERS[::2]))
+        return np.asarray(np.diff(self.borders) @ even)
+
     def peaks(self, rows: NDArray[np.bool_]) -> Array:
         """Places (m,), rising, at which some of the rows (rows,) are largest or smallest: where a polynomial turns, or at a border.
 

@@ -8,7 +8,7 @@ elements, and of a shaft that moves a slide) belong to no bearing: they load the
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -27,12 +27,13 @@ from ..engines.machine_elements.forces import indeterminate, inverse_dynamics
 from ..engines.wrenches import AppliedConditions, Wrenches
 from ..kinematics.motion import MOST_IN_TITLE, Motion, blank, filled
 from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load
+from ..loads.link import Friction, LinkLoad, Load
 from . import applied_loads
+from .between import Path, path_of
 from .shaking import shaking
 from .teeth import ToothForces, tooth_forces
 
-BETWEEN = ("_between", "_peaks", "_over_time")  # what `extremes` keeps of reactions between their states
+BETWEEN = ("_path", "_between", "_peaks", "_over_time")  # what `extremes` keeps of reactions between their states
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 
 
@@ -151,28 +152,38 @@ class Reactions(Tabular):
 
     @cached_property
     def process_work(self) -> float:
-        """Work that the slide does against the process loads and forces in time over the motion's states [J], over a whole period of a
-        `cycle`.
+        """Work that the slide does against the process loads and forces in time over the motion [J], over a whole period of a `cycle`.
 
-        Between two states the laws are integrated over the height, so that a blank that breaks through between them costs no accuracy.
+        It is an integral over time between the edges of the loads. Of a motion that is known only in its states, the laws are integrated
+        over the height between the states.
         """
-        return float(self._process_steps.sum())
+
+        def power(motion: Motion) -> Iterator[tuple[Array, float]]:
+            force = applied_loads.process_force(self.loads, self._press, motion)
+            yield (-force * motion.slide_velocity)[:, None], 0.0
+
+        if all(isinstance(load, LinkLoad) for load in self.loads):
+            return 0.0
+        resolved = None if self._path is None else self._path.resolve(power)
+        if resolved is None:
+            return float(applied_loads.process_work(self.loads, self._press, self.motion).sum())
+        return float(resolved.panels.integrals()[0])
+
+    @cached_property
+    def _path(self) -> Path | None:
+        """The motion between its states; None if nothing is known there."""
+        return path_of(self.motion, self._press, self.loads, self.friction, self.engine)
 
     @cached_property
     def _largest_force(self) -> float:
         """The largest component of all bearing forces [N]; not finite where one of them is not."""
         return float(np.max([np.abs(force).max(initial=0.0) for force in self.bearing_force.values()], initial=0.0))
 
-    @cached_property
-    def _process_steps(self) -> Array:
-        """The process's work from each state to the next, over a `cycle` also from the last to the first [J]: (n - 1,), or (n,)."""
-        return read_only(applied_loads.process_work(self.loads, self._press, self.motion))
-
     def __getstate__(self) -> dict[str, Any]:
         """The state for copies and pickles."""
         loads = tuple(sendable(load) for load in self.loads)
         if any(isinstance(load, str) for load in loads):
-            _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
+            _ = self.process_force, self.process_work  # they cannot be computed from descriptions
         kept = {name: value for name, value in vars(self).items() if name not in BETWEEN}  # a copy finds them again
         return kept | {"loads": loads}
 

@@ -19,8 +19,8 @@ from ..kinematics.periodic_curve import step_time
 from ..kinematics.slide_windows import AngleWindow, window, windows, windows_where
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
-from ..loads.process import ProcessLoad, datum
-from .applied_loads import intervals_of
+from ..loads.process import ProcessLoad
+from .applied_loads import acting_between
 
 NO_BARS: Mapping[str, ArrayLike] = FrozenMapping({})
 
@@ -127,10 +127,8 @@ def _process(press: Linkage, motion: Motion, loads: Sequence[Load]) -> list[Angl
     rows: list[AngleWindow] = []
     highest = -math.inf
     for load in loads:
-        if not isinstance(load, ProcessLoad) or not (intervals := intervals_of(load)):
+        if not isinstance(load, ProcessLoad) or not (borders := acting_between(load, press)):
             continue
-        zero = datum(load, press)
-        borders = [(down, each.lower + zero, each.upper + zero) for down, each in intervals]
         levels = {level for _, *ends in borders for level in ends if math.isfinite(level)}
 
         def acts(position: Array, downwards: NDArray[np.bool_], borders: list[tuple[bool, float, float]] = borders) -> NDArray[np.bool_]:

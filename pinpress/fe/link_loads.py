@@ -16,8 +16,7 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Columns
-from ..dynamics.extremes import at_peaks
-from ..dynamics.peaks import states_at
+from ..dynamics.extremes import at_peaks, states_at
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import refuse_motion_of_another
 from ..kinematics.poses import bearing_points, body_of, contact_points, loaded_bodies, poses

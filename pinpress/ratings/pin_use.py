@@ -22,7 +22,7 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Columns
 from ..dynamics.applied_loads import RelativeTurn, turn_between
-from ..dynamics.peaks import between_states
+from ..dynamics.extremes import between_states
 from ..dynamics.reactions import Reactions
 from ..kinematics.motion import Motion, is_cycle
 from ..kinematics.poses import rotation_of
@@ -193,9 +193,11 @@ def pins(reactions: Reactions, bearings: Mapping[str, PlainBearing | RollingBear
             pressing = _on_gibs(reactions, name, given) if isinstance(given, Gibs) else (_across(reactions, name, turn),)
             yield from ((values[:, None], 0.0) for values in (place, rate, *pressing, pressing[-1] * rate))
 
-    between = between_states(
-        reactions, quantities, lambda motion: [(turn.angle(motion.v), turn.angle(motion.a)) for turn in turns.values()]
-    )
+    def reversing(motion: Motion) -> tuple[Array, Array]:
+        rates = ([turn.angle(values) for turn in turns.values()] for values in (motion.v, motion.a))
+        return tuple(map(np.array, rates))  # type: ignore[return-value]
+
+    between = between_states(reactions, quantities, reversing)
     peaks, (states, weight, _) = between.peak_states().reactions, between.mean_states()
     time, strokes = float(weight.sum()), _strokes(press, motion)
 

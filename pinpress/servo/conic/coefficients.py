@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 from ...common.errors import PinpressError
 from ...common.numerics import bracketed_roots
 from ...common.quantities import Array
-from ...dynamics.applied_loads import process_force, process_work
+from ...dynamics.applied_loads import acting_between, process_force, process_work
 from ...dynamics.inverse_dynamics import inverse_dynamics
 from ...kinematics.cycle import moved
 from ...kinematics.motion import Motion
 from ...kinematics.slide_path import ROUNDING, dead_centres
 from ...linkage.linkage import Linkage
-from ...loads.link import Friction, LinkLoad, Load, PointForce, PointMoment, Spring
-from ...loads.process import ProcessLoad, TimeForce, datum
+from ...loads.link import Friction, Load, PointForce, PointMoment, Spring
+from ...loads.process import ProcessLoad, TimeForce
 from ..paths import PathLegs
 
 LOOKED = 256  # number of steps of a leg in which crossings of a height are searched
@@ -130,14 +130,8 @@ def path_grid(legs: PathLegs, marks: Sequence[Array], points: int) -> PathGrid:
 
 def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
     """Heights above bottom dead centre at which process loads begin or end [m]."""
-    bottom, heights = dead_centres(press).bottom_position, []
-    for load in loads:
-        if isinstance(load, LinkLoad | TimeForce) or not isinstance(load, ProcessLoad):
-            continue
-        intervals = [*load.intervals(True), *load.intervals(False)]
-        zero = datum(load, press) if intervals else 0.0
-        heights += [border + zero - bottom for each in intervals for border in (each.lower, each.upper) if np.isfinite(border)]
-    return heights
+    bottom, processes = dead_centres(press).bottom_position, (load for load in loads if isinstance(load, ProcessLoad))
+    return [end - bottom for load in processes for _, *ends in acting_between(load, press) for end in ends if np.isfinite(end)]
 
 
 def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list[str]:
