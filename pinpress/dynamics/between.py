@@ -186,14 +186,26 @@ class Path:
             caution(f"{problem}: largest values and means are those of the given states; give a smooth law, or one of few steps")
             return None
         reach = np.abs(panels.coefficients[:, :, 1:]).sum(axis=2).max(axis=0)
-        return Resolved(panels, reach > 1e-9 * sizes[0])
+        return Resolved(self, panels, reach > 1e-9 * sizes[0])
 
 
 class Resolved(NamedTuple):
     """Functions along a motion as polynomials in time, and which of them vary by more than rounding."""
 
+    path: Path
     panels: Panels
     varies: NDArray[np.bool_]
+
+    def peak_times(self) -> Array:
+        """Times of the motion's states, those on both sides of jumps, and those at which functions are largest or smallest, rising [s]."""
+        path, (jumps, distance) = self.path, self.path.jumps
+        # also at a jump itself, where a bearing with friction rests
+        sides = path.inside(np.concatenate([jumps - distance, jumps, jumps + distance]))
+        known = np.union1d(path.given.time, sides)
+        peaks = self.panels.peaks(self.varies)
+        behind = np.searchsorted(known, peaks).clip(1, len(known) - 1)
+        apart = np.minimum(np.abs(peaks - known[behind - 1]), np.abs(peaks - known[behind])) > SIDE * path.step
+        return np.union1d(known, path.inside(peaks[apart]))
 
 
 def path_of(motion: Motion, press: Linkage, loads: Sequence[Load], friction: Mapping[str, Friction], engine: str) -> Path | None:

@@ -383,11 +383,11 @@ def energy_of_stroke(reactions: Reactions) -> tuple[list[Figure], list[Bars]]:
     asked = driving_energy(reactions)
     turns, period_turns = stroke_turns(reactions._press), motion.period_turns
     strokes = 1.0 if turns is None or period_turns is None else period_turns / turns
-    period = 2 * np.pi * (period_turns or 1) / abs(asked.speed)
+    by_time = over_time(reactions)
     work = {
         "drive": asked.work,
         "process": reactions.process_work,
-        "friction": sum(float(power.mean()) for power in reactions.friction_power.values()) * period,
+        "friction": sum(float(by_time.weight @ power) for power in by_time.reactions.friction_power.values()),
     }
     if any(isinstance(load, LinkLoad) for load in reactions.loads):
         work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]

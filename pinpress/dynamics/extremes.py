@@ -20,7 +20,7 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..kinematics.motion import ROUNDING, Motion, finite, is_constant, is_cycle
 from ..kinematics.poses import poses
-from .between import SIDE, AlongMotion, Path, Resolved
+from .between import SIDE, AlongMotion, Resolved
 from .inverse_dynamics import in_other_states
 from .reactions import Reactions, carrying
 
@@ -264,35 +264,26 @@ class ResolvedStates:
 
     Attributes:
         reactions: to the motion.
-        path: the motion between its states.
         resolved: the quantities over time.
     """
 
     reactions: Reactions
-    path: Path
     resolved: Resolved
 
     def peak_states(self) -> PeakStates:
         """The states of the motion, those on both sides of jumps, and those in which quantities are largest or smallest."""
-        path, reactions, (jumps, distance) = self.path, self.reactions, self.path.jumps
-        # also at a jump itself, where a bearing with friction rests
-        sides = path.inside(np.concatenate([jumps - distance, jumps, jumps + distance]))
-        known = np.union1d(reactions.motion.time, sides)
-        peaks = self.resolved.panels.peaks(self.resolved.varies)
-        behind = np.searchsorted(known, peaks).clip(1, len(known) - 1)
-        apart = np.minimum(np.abs(peaks - known[behind - 1]), np.abs(peaks - known[behind])) > SIDE * path.step
-        times = np.union1d(known, path.inside(peaks[apart]))
+        times, path, reactions = self.resolved.peak_times(), self.resolved.path, self.reactions
         if len(times) == len(reactions.motion.time):
             return PeakStates(reactions, ("",) * len(times))
         found = in_other_states(reactions, path.at(times))
-        return PeakStates(found, _remarks(found, times, jumps, distance))
+        return PeakStates(found, _remarks(found, times, *path.jumps))
 
     def mean_states(self) -> MeanStates:
         """The nodes of the panels."""
         borders, rule = self.resolved.panels.borders, gauss_rule()
         half = 0.5 * np.diff(borders)
         times = (borders[:-1] + half)[:, None] + half[:, None] * rule.nodes
-        reactions = in_other_states(self.reactions, self.path.at(times.ravel()))
+        reactions = in_other_states(self.reactions, self.resolved.path.at(times.ravel()))
         return MeanStates(reactions, (half[:, None] * rule.weights).ravel(), borders)
 
 
@@ -330,7 +321,7 @@ def between_states(reactions: Reactions, quantities: Quantities, corners: AlongM
     """
     path = reactions._path
     resolved = None if path is None else path.resolve(lambda motion: quantities(in_other_states(reactions, motion)), corners)
-    return GivenStates(reactions) if path is None or resolved is None else ResolvedStates(reactions, path, resolved)
+    return GivenStates(reactions) if resolved is None else ResolvedStates(reactions, resolved)
 
 
 def states_at(reactions: Reactions, angles: Array) -> Reactions:

@@ -7,6 +7,7 @@ elements, and of a shaft that moves a slide) belong to no bearing: they load the
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -95,10 +96,18 @@ class Reactions(Tabular):
 
     @property
     def title(self) -> str:
+        from .extremes import at_peaks  # which stands on this module
+
+        with contextlib.suppress(PinpressError):  # forces that are not finite have no peaks
+            return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {at_peaks(self).reactions._in_words()}"
+        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {self._in_words()}"
+
+    def _in_words(self) -> str:
+        """Ranges of torques and forces of the drivers, and the largest bearing force."""
         sizes = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in self.bearing_force.items()}
         worst = max(sizes, key=lambda name: sizes[name], default=None)
         force = "bearings left out" if worst is None else f"largest bearing force {sizes[worst]:.6g} N in {worst}"
-        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {self._driving_in_words()}, {force}"
+        return f"{self._driving_in_words()}, {force}"
 
     def _driving_in_words(self) -> str:
         """Between which torques or forces every driver is driven; of many drivers how many there are."""

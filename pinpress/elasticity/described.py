@@ -76,12 +76,11 @@ def deflection(found: DeflectedSlide, page: Reactions | None = None) -> tuple[Se
     curves = [Curve("all", found.deflection, look="strong"), *(Curve(name, part) for name, part in parts)]
     note = "" if len(parts) == len(found.parts) else f"Of {len(found.parts)} parts the {len(parts)} that move it most."
     chart = Chart("deflection", "Deflection of the slide", "m", along, curves, note=note)
-    low, high = int(found.deflection.argmin()), int(found.deflection.argmax())
-    ends = [("pressed down by at most", low, -1.0), ("pushed up by at most", high, 1.0)]
+    states, deflections = found._found
     figures = []
-    for name, at, sign in ends:
-        by = max(sign * float(found.deflection[at]), 0.0)
-        figures.append(Figure(name, by, "m", f"at {motion.place(at)}", kind="accuracy"))
+    for name, sign in (("pressed down by at most", -1.0), ("pushed up by at most", 1.0)):
+        at = int((sign * deflections).argmax())
+        figures.append(Figure(name, max(sign * float(deflections[at]), 0.0), "m", f"at {states.place(at)}", kind="accuracy"))
     return (Section("Deflection under load, weight and inertia", figures, [chart]),)
 
 

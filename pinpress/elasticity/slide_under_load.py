@@ -22,6 +22,7 @@ from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..common.results import Tabular
+from ..dynamics.between import path_of
 from ..kinematics.cycle import doubt_speeds
 from ..kinematics.motion import Motion
 from ..kinematics.servo_motion import servo_cycle
@@ -51,10 +52,11 @@ class DeflectedSlide(Tabular):
     deflection: Array
     parts: Mapping[str, Array]
     slide_position: Array
+    _found: tuple[Motion, Array]  # and its deflection, also in the states between, where it jumps or is largest
 
     @property
     def title(self) -> str:
-        low, high = self.deflection.min(), self.deflection.max()
+        low, high = self._found[1].min(), self._found[1].max()
         return f"DeflectedSlide of {self.motion.linkage}: {len(self.deflection)} states, {low:.4g} to {high:.4g} m"
 
     def columns(self) -> dict[str, Array]:
@@ -129,11 +131,20 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
         UnknownNameError: as `compliance` and `inverse_dynamics`.
         SingularityError: the linkage locks.
     """
-    held = hold(press, springs_of(press, stiffness), motion)
+    springs = springs_of(press, stiffness)
+    held = hold(press, springs, motion)
     shares = held.moved(held.in_motion(loads))
     deflection = np.sum(list(shares.values()), axis=0)
-    position = motion.slide_position + deflection
-    return DeflectedSlide(motion, deflection, shares, position)
+    path = path_of(motion, press, loads, {}, "auto")
+
+    def along(between: Motion) -> list[tuple[Array, float]]:
+        return [(_total(hold(press, springs, between), loads)[:, None], 0.0)]
+
+    resolved, found = None if path is None else path.resolve(along), (motion, deflection)
+    if resolved is not None:
+        states = resolved.path.at(resolved.peak_times())
+        found = states, along(states)[0][0][:, 0]
+    return DeflectedSlide(motion, deflection, shares, motion.slide_position + deflection, found)
 
 
 @typed

@@ -10,6 +10,7 @@ from support import texts
 from support.generators.pin_tables import MASSLESS, crank_slide
 
 import pinpress as pp
+from pinpress.dynamics.described import energy_of_stroke
 from pinpress.dynamics.extremes import at_peaks, over_time
 from pinpress.loads import Blanking, ConstantForce, ForceInterval, ForceStroke
 
@@ -131,6 +132,20 @@ def test_states_say_what_is_there():
     assert at_peaks(reactions) is found
 
 
+@pytest.mark.parametrize("points", [60, 500])
+def test_the_largest_deflection_is_at_the_edge(points):
+    """A rod with the slope b, of the stiffness k, yields by F / (k cos2 b) along the guide: most at the edge, where b is largest."""
+    press, stiff = massless(), 1e9
+    springs = pp.elasticity.Stiffness(rods=[pp.elasticity.Rod("rod", ("P", "W"), stiff)])
+    found = pp.elasticity.slide_deflection(
+        press, pp.cycle(press, SPEED, points=points), springs, loads=[ForceStroke([0.0, EDGE], [FORCE, FORCE])]
+    )
+    expected = FORCE / (stiff * (1 - (R / L * np.sin(before_bottom(EDGE))) ** 2))
+    (section,) = found.described()
+    assert {figure.name: figure.value for figure in section.figures}["pushed up by at most"] == pytest.approx(expected, rel=1e-7)
+    assert f"{expected:.4g} m" in found.title
+
+
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_no_number_depends_on_the_states(seed):
@@ -140,11 +155,16 @@ def test_no_number_depends_on_the_states(seed):
     speed, (first, second) = float(rng.uniform(2.0, 8.0)) * (-1) ** seed, rng.uniform(2e-3, 1e-2, size=2)
     loads = [ConstantForce(rng.uniform(1e5, 1e6), first), Blanking(rng.uniform(1e5, 1e6), second, second / 2)]
     friction = {name: pp.loads.Friction(0.05, None if "guide" in name else 0.03) for name in press.bearings if seed % 3}
-    found, energies = [], []
+    found, energies, works, titles = [], [], [], set()
     for points in (90, 360, 1441):
         reactions = pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), loads, friction)
         found.append({value.quantity: value for value in pp.measures.extremes(reactions)})
         energies.append(pp.measures.driving_energy(reactions))
+        works.append((reactions.process_work, *np.ravel([bars.series["work"] for bars in energy_of_stroke(reactions)[1]])))
+        titles.add(reactions.title.partition(" states, ")[2])
+    assert len(titles) == 1
+    for few, many in zip(works[0], works[-1], strict=True):
+        assert few == pytest.approx(many, rel=1e-8, abs=1e-6)
     for name, value in found[-1].items():
         for other in found[:-1]:
             numbers = [(each.smallest, each.largest, each.rms) for each in (other[name], value)]

@@ -37,19 +37,19 @@ WORKS = [  # of a stroke [J]
 def test_work_of_a_stroke_in_closed_form(load, work, points, speed):
     press = texts.shipped("zxn2_3000b")
     reactions = pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), [load])
-    assert reactions.process_work == pytest.approx(work, rel=1e-6, abs=1e-6)
+    assert reactions.process_work == pytest.approx(work, rel=1e-9, abs=1e-3)  # of 1e8 N over a travel of 1 mm and back
 
 
 def test_work_of_a_damped_die_against_that_of_the_drive():
-    """All that the drive does over a period is lost in the die. A sum over states knows the jump of its force only to half a step."""
+    """All that the drive does over a period is lost in the die."""
     press, die = texts.shipped("zxn2_3000b"), ElasticDie(0.05, 1e6, 4e5)
-    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36000), [die])
-    assert reactions.process_work == pytest.approx(reactions.driving_torque.mean() * 2 * np.pi, rel=4e-4)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36), [die])
+    assert reactions.process_work == pytest.approx(pp.measures.driving_energy(reactions).work, rel=1e-8)
 
 
 def test_work_of_a_run_is_that_which_it_has_integrated():
     press = texts.shipped("zxn2_3000b")
-    for load, error in ((Blanking(1e6, 0.006, 0.002), 1e-7), (TimeForce(lambda time: 1e3 * np.sin(time)), 1e-3)):  # by trapezoids in time
+    for load, error in ((Blanking(1e6, 0.006, 0.002), 1e-7), (TimeForce(lambda time: 1e3 * np.sin(time)), 1e-7)):
         run = pp.simulate(press, 1.3, speed=SPEED, flywheel=pp.drives.Flywheel(2e4), loads=[load])
         assert pp.inverse_dynamics(press, run, [load]).process_work == pytest.approx(run.load_work[-1], rel=error)
 
