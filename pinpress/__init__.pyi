@@ -3,6 +3,7 @@ from . import balancing as balancing
 from . import derivatives as derivatives
 from . import drives as drives
 from . import elasticity as elasticity
+from . import export as export
 from . import fe as fe
 from . import foundation as foundation
 from . import loads as loads
