@@ -23,7 +23,7 @@ PAGES = {  # by file: title, and the namespaces that share the page
     "ratings": ("Ratings, servo motions, motors", "ratings servo mains"),
     "measured": ("Measured machines and tolerances", "measured tolerances"),
     "elasticity": ("Elasticity and foundation", "elasticity foundation"),
-    "design": ("Balancing, synthesis, derivatives, sweeps", "balancing balancing.classical synthesis derivatives sweeps fe"),
+    "design": ("Balancing, synthesis, derivatives, sweeps", "balancing balancing.classical synthesis derivatives sweeps fe export"),
     "pages": ("Plots, films, accuracy", "plots video accuracy"),
 }
 

@@ -11,7 +11,7 @@
 
 SI units and radians throughout. World z is up; a planar press stands in the x-z plane. What not everyone needs stands in namespaces:
 `pin_table`, `loads`, `drives`, `measures`, `ratings`, `fe`, `servo`, `mains`, `measured`, `tolerances`, `elasticity`, `foundation`,
-`balancing`, `synthesis`, `sweeps`, `derivatives`, `plots`, `video` and `accuracy`.
+`balancing`, `synthesis`, `sweeps`, `derivatives`, `export`, `plots`, `video` and `accuracy`.
 """
 
 from .common import command_end  # noqa: F401  from here on Ctrl-C ends a command without a traceback

@@ -8,8 +8,7 @@ from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..drives.transmission import Flywheel
 from ..dynamics.inputs import described, of_press, stated
-from .options import add_job_options, open_job, print_inputs, write_pictures
-from .progress import progress
+from .options import add_job_options, open_job, print_inputs, progress, write_pictures
 
 EPILOG = """\
 Every error is relative to a reference on which two independent methods agree; the table shows how closely they agree. Times are the least

@@ -8,11 +8,11 @@ from typing import Any
 
 from ..common.command_end import ended
 from ..linkage.loading import presses
-from . import accuracy, analyse, balance, build, check, convert, record, report, servo, simulate, tolerances, view
+from . import accuracy, analyse, balance, build, check, convert, export, record, report, servo, simulate, tolerances, view
 from .measured import measured
 
 # as the help lists them
-COMMANDS = (build, check, convert, report, analyse, simulate, balance, servo, tolerances, record, view, measured, accuracy)
+COMMANDS = (build, check, convert, export, report, analyse, simulate, balance, servo, tolerances, record, view, measured, accuracy)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -13,8 +13,7 @@ from ..common.reading.filling import Around, Number
 from ..jobs.grammar import JOB, OfDriver
 from ..jobs.job import Job, traces_of
 from ..kinematics.motion import Motion
-from .options import SHORT, SIGNS, add_job_options, open_job
-from .progress import progress
+from .options import SHORT, SIGNS, add_job_options, open_job, progress
 
 EPILOG = f"""\
 {SIGNS}Films and pictures need Chromium and pip install 'pinpress[video]'. Paths of points: traces: {{rod: 0 0 400 mm}}.

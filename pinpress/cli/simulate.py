@@ -22,8 +22,7 @@ from ..simulation.elastic.parts_in_words import elastic_in_words
 from ..simulation.elastic.run import ElasticRun
 from ..simulation.run import Run, inputs_of
 from ..visual.recording import traced
-from .options import SIGNS, add_job_options, open_job, print_inputs, say_written, write_report
-from .progress import progress
+from .options import SIGNS, add_job_options, open_job, print_inputs, progress, say_written, write_report
 
 if TYPE_CHECKING:
     from ..elasticity.impacts import ImpactsByTurn

@@ -1,6 +1,6 @@
-from .c_code import c_code as c_code
-from .fmu import fmu as fmu
-from .matlab import matlab as matlab
+from .c_source import c_code as c_code
+from .fmi import fmu as fmu
+from .m_file import matlab as matlab
 from .tables import PressTable as PressTable
 from .tables import TableState as TableState
 from .tables import tabulate as tabulate

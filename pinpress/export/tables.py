@@ -382,6 +382,11 @@ def tabulate(
         return _with_errors(table, sampler, sizes)
 
 
+def stands(load: Load) -> bool:
+    """Whether a load is in the functions g and d: a spring, damper, balance cylinder, or constant force or moment."""
+    return isinstance(load, SpringDamper | TorsionSpring | BalanceCylinder) or is_constant(load)
+
+
 def _refuse(press: Linkage, loads: Sequence[Load]) -> None:
     """Raise PinpressError where reactions are no linear functions as above."""
     press.refuse_several_drivers("a table has one driver; simulate it in Python, or hold the other drivers")
@@ -395,7 +400,7 @@ def _refuse(press: Linkage, loads: Sequence[Load]) -> None:
         places = ", ".join(press.driver_coordinates[0].at(each.angle) for each in points)
         raise PinpressError(f"{press.name} has a change point at {places}, where forces have no bounds: it cannot be tabulated")
     for load in loads:
-        if not (isinstance(load, SpringDamper | TorsionSpring | BalanceCylinder) or is_constant(load)):
+        if not stands(load):
             given = load.label if isinstance(load, LinkLoad) else type(load).__name__
             raise PinpressError(
                 f"{given} is no function of the driver's position alone: leave it out of loads, and give its force as an input"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..common import plausibility
-from ..common.arguments import positive, typed
+from ..common.arguments import expect, positive, typed
 from ..common.errors import PinpressError
 from ..elasticity.straight_beam import STEEL
 from ..simulation.elastic.description import Rod
@@ -32,6 +32,7 @@ def rods(drawn: DrawnPress, *, modulus: float | None = None) -> list[Rod]:
     Raises:
         PinpressError: without a modulus, a rod has another density than steel.
     """
+    expect("drawn", drawn, DrawnPress, "pin_table.draft")
     young = STEEL if modulus is None else positive("modulus", modulus, "Pa")
     plausibility.modulus(young)
     if any(pin.in_space for pin in drawn.parts.pins.values()):

@@ -364,13 +364,14 @@ def test_help_fits_a_screen_and_shows_a_job(command: str, capsys: pytest.Capture
 
 def test_there_are_few_commands_and_options() -> None:
     commands = _parser()[1]
-    assert len(COMMANDS) == 13
+    assert len(COMMANDS) == 14
     assert sorted(commands) == sorted(
         [
             "new",
             "build",
             "check",
             "convert",
+            "export",
             "report",
             "analyse",
             "simulate",

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from pinpress.cli import simulate
-from pinpress.cli.progress import progress
+from pinpress.cli.options import progress
 
 
 class Terminal(io.StringIO):

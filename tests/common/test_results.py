@@ -31,7 +31,8 @@ OF_CALLERS = {
 }
 OF_WORDS = {"CheckResult", "Facts", "Finding", "Place", "Proposal"}
 OF_SHARES = {"MotionLaw"}  # of a stroke of 1 in a time of 1
-OF_ROWS = {  # whose rows have units of their own
+OF_ROWS = {
+    "PressTable",  # whose rows have units of their own
     "AllocatedTolerances",
     "DimensionTable",
     "FittedMounts",
@@ -62,6 +63,7 @@ def test_what_public_functions_return_is_a_table():
         "Group",  # what a group of measurements of accuracy is about, beside their table
         *("GuideSurface", "Gibs", "PreloadedJoint", "Rod"),  # what a caller describes, many at once
         "LiveView",  # a window
+        *("TableState", "Quantity", "Panels"),  # one state, and what a table consists of
         *("Accelerometer", "ProcessForceSensor", "VibrationRun"),  # what is measured with
         *("Attachment", "Rotor"),  # what stands and spins on a frame
     }

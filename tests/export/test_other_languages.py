@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import zipfile
 from functools import cache
+from typing import Any
 
 import fmpy
 import fmpy.validation
@@ -18,7 +19,8 @@ from support import texts
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
-from pinpress.export.c_code import identifiers
+from pinpress.cli.main import main
+from pinpress.export.c_source import identifiers
 from pinpress.pin_table.templates import TEMPLATES, template
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror"]
@@ -179,11 +181,11 @@ def test_model_exchange_under_motor_flywheel_and_blanking(six_bar):
         model.fmi2GetDerivatives(model.component, pointers[1], 2)
         return slope.copy()
 
-    def passes(level):
+    def passes(level: float) -> Any:
         def event(time, state, acting):
             return height(time, state) - level
 
-        event.terminal, event.direction = True, -1
+        vars(event).update(terminal=True, direction=-1)
         return event
 
     time, state, acting = 0.0, np.array([run.crank_angle[0], run.crank_speed[0]]), False
@@ -313,3 +315,27 @@ def test_without_a_compiler_it_has_sources_and_says_so(tmp_path):
 
 def test_names_that_c_forbids_or_that_fall_together():
     assert identifiers(["a b", "a-b", "A_b", "ü"]) == ("a_b", "a_b_2", "A_b_3", "_")
+
+
+# -------------------------------------------------------------------------------------------------------------------------- command
+
+
+def test_the_command_exports_a_job(tmp_path, monkeypatch, capsys):
+    """Springs of the job are in the table; its process load is left outside, and said."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "press.yaml").write_text(
+        "file: crank_slide\nloads: {draw: {kind: drawing, force: 100 kN, start: 30 mm}, lift: {kind: force, link: slide, force: [0, 0, 3 kN]}}\n"
+    )
+    assert main(["export", "press.yaml", "--to", "m", "--bearing", "P"]) == 0
+    said = capsys.readouterr().out
+    assert "PressTable of crank_slide: 1 bearing" in said
+    assert "left outside, as forces that the program gives: draw" in said
+    assert "wrote press.m (" in said
+    press = texts.shipped("crank_slide")
+    lifted = pp.export.tabulate(press, ["P"], [pp.loads.PointForce("slide", (0.0, 0.0, 3e3))])
+    pp.export.matlab(lifted, "again.m")
+    written = [re.search(r"table\(:, :, 1\).*", (tmp_path / name).read_text(), re.DOTALL)[0] for name in ("press.m", "again.m")]
+    assert written[0] == written[1]
+    assert "outputs(1)  slide_position [m]" in (tmp_path / "press.m").read_text()
+    assert main(["export", "crank_slide", "--to", "c", "--no-bearings", "--out", "small.c"]) == 0
+    assert {path.name for path in tmp_path.glob("small.*")} == {"small.c", "small.h"}

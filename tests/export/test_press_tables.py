@@ -31,7 +31,8 @@ def states_of(table, rng, turns=3):
     return rng.uniform(low, high, STATES) + away, fastest * rng.uniform(-1, 1, STATES), 5 * fastest * rng.uniform(-1, 1, STATES)
 
 
-def reference(press, angle, speed, acceleration, loads=()):
+def reference(press, states, loads=()):
+    angle, speed, acceleration = states
     motion = pp.servo_cycle(press, angle, speed=speed, acceleration=acceleration)
     return motion, pp.inverse_dynamics(press, motion, loads)
 
@@ -46,7 +47,7 @@ def check(press, table, seed=0, share=1e-11, force=1e6):
     rng = np.random.default_rng(seed)
     states = states_of(table, rng)
     pushes = rng.uniform(-force, force, STATES) if "force" in table.inputs else np.zeros(STATES)
-    motion, wanted = reference(press, *states, [pushed(press, pushes)] if "force" in table.inputs else [])
+    motion, wanted = reference(press, states, [pushed(press, pushes)] if "force" in table.inputs else [])
     found = table.at(*states, **({"force": pushes} if "force" in table.inputs else {}))
     forces = [(found.bearing_force[name], wanted.bearing_force[name]) for name in table.bearings]
     largest = max(np.abs(each).max() for _, each in forces)
@@ -58,7 +59,7 @@ def check(press, table, seed=0, share=1e-11, force=1e6):
     for ours, theirs in moments:
         assert np.abs(ours - theirs).max() < share * max(arm, np.abs(theirs).max())
     still = table.at(*states)
-    free = reference(press, *states)[1]
+    free = reference(press, states)[1]
     assert np.abs(still.shaking_force - free.shaking_force).max() < share * max(np.abs(free.shaking_force).max(), 1e-3 * largest)
     if press.slide is not None:
         for name in ("slide_position", "slide_velocity", "slide_acceleration"):
@@ -124,7 +125,8 @@ def test_the_equation_of_motion_gives_the_run_of_simulate():
     drive, wheel = pp.drives.ConstantTorque(torque), pp.drives.Flywheel(500.0)
     run = pp.simulate(press, 1.0, angle=0.3, speed=2.0, drive=drive, flywheel=wheel, tolerance=1e-11)
     assert found == pytest.approx([run.crank_angle[-1], run.crank_speed[-1]], abs=1e-9)
-    alike = table.at(*found.tolist(), table.acceleration(*found.tolist(), torque))
+    angle, speed = found.tolist()
+    alike = table.at(angle, speed, table.acceleration(angle, speed, torque))
     assert alike.driving_torque == pytest.approx(torque, rel=1e-9)
 
 
@@ -141,7 +143,7 @@ def test_springs_dampers_and_several_inputs():
         pp.loads.PointForce("slide", np.multiply.outer(left, [0.0, 0.0, 1.0]), (0.1, 0.0, 0.0)),
         pp.loads.PointMoment("rod", np.multiply.outer(twist, [0.0, 1.0, 0.0])),
     ]
-    _, wanted = reference(press, *states, acting)
+    _, wanted = reference(press, states, acting)
     found = table.at(*states, left=left, twist=twist)
     assert found.driving_torque == pytest.approx(wanted.driving_torque, rel=1e-10, abs=1e-10 * np.abs(wanted.driving_torque).max())
     for name in table.bearings:
@@ -161,6 +163,7 @@ def test_a_rocking_crank_and_a_copy():
     assert np.array_equal(again.at(middle, 3.0, 2.0).values, table.at(middle, 3.0, 2.0).values)
 
 
+CHANGING = random_linkages.four_bar(0.30, 0.12, 0.30, 0.12, 1.0, bounded=False).urdf("O")
 TABLE = pp.export.tabulate(texts.shipped("crank_slide"), bearings=())
 
 
@@ -182,7 +185,6 @@ REFUSED = [
     (lambda: TABLE.at(np.zeros(3), np.zeros(2)), r"shapes \(3,\), \(2,\)"),
     (lambda: TABLE.at(0.1, 1.0).shaking_force, "the table of crank_slide has no shaking_force: tabulate it with bearings"),
 ]
-CHANGING = random_linkages.four_bar(0.30, 0.12, 0.30, 0.12, 1.0, bounded=False).urdf("O")
 
 
 @pytest.mark.parametrize(("call", "message"), REFUSED)

@@ -27,6 +27,7 @@ RUN = [
     "commands",
     "elastic_motion",
     "elasticity",
+    "export",
     "fe",
     "mains",
     "foundation",

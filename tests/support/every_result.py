@@ -31,6 +31,12 @@ ROTOR = foundation.Rotor(50.0, (0.0, 1.0, 0.0))
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
 
 
+@cache
+def tabulated():
+    """A press as a table of its angle."""
+    return pp.export.tabulate(press(), ["W"])
+
+
 def two_points():
     """A dimension of one of the points of the two-point press."""
     return {"P4_front": [pp.tolerances.link_length(texts.shipped("jf75g_125_two_point"), "P2_front", "P4_front", 1e-5)], "P4_back": []}
@@ -507,7 +513,7 @@ def made():
         *(guided(), guided().surfaces[0], guided().opened[0], campbell(), campbell().resonances[0]),
         *(pp.ratings.rate(press(), SPEED, CAPACITIES, points=9), pp.ratings.speed_limit(press(), CAPACITIES)),
         *(drive_choice(), *drive_choice().tried),
-        *(rated_pins(), *rated_pins().uses.values(), pp.fe.load_cases(press(), reactions(), "rod")),
+        *(rated_pins(), *rated_pins().uses.values(), pp.fe.load_cases(press(), reactions(), "rod"), tabulated()),
         *(stops(), stops().worst, *stops().cases.values(), stops().distance("ANSI B11.19", resolution=0.014)),
         pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
         pp.ratings.eccentric_load(

@@ -293,6 +293,9 @@ FUNCTIONS: dict[str, dict[str, Any]] = {
     "elasticity.read_flexible_link": {"file": FOLDER / "rod.npz", "bearings": {"P": 0, "W": 1}, "stiffness": None},
     "elasticity.snap_through": {"force": 1e5, "stiffness": 1e9, "break_time": 1e-3, "clearance": 1e-4},
     "elasticity.wear_depth": {"radius": 0.05, "width": 0.1, "hardness": 1e9, "coefficient": 1e-7},
+    "export.c_code": {"table": Late(every_result.tabulated), "path": FOLDER / "press.c"},
+    "export.fmu": {"table": Late(every_result.tabulated), "path": FOLDER / "press.fmu", "compiler": None, "platform": "linux64"},
+    "export.matlab": {"table": Late(every_result.tabulated), "path": FOLDER / "press.m"},
     "fe.load_cases": {"at": "peak W"},
     "foundation": {
         "system": Late(every_result.mounted),

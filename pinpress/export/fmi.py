@@ -15,14 +15,15 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
-
 from xml.etree import ElementTree
+
+import numpy as np
 
 from ..common import files
 from ..common.arguments import typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.files import path_of
-from .c_code import code_of, filled, header_lines, identifiers
+from .c_source import code_of, filled, header_lines, identifiers
 from .tables import ACCELERATION, FORCES, SPEED, SQUARE, PressTable
 
 STEM = "press"  # of the C inside, whatever the FMU is called
@@ -151,7 +152,7 @@ def _values(table: PressTable, outputs: Sequence[str]) -> list[Value]:
     ]
     units = {part: each.unit for each in table.quantities for part in each.components}
     for name, component in zip(outputs, table.components, strict=True):
-        terms = table.term_of(component).any(axis=(0, 2))
+        terms = np.asarray(np.any(table.term_of(component), axis=(0, 2)))
         needs = {1} | ({3} if terms[[SQUARE, SPEED]].any() else set()) | {6 + k for k in range(count) if terms[FORCES + k]}
         needs |= {*states, *efforts} if terms[ACCELERATION] else set()
         taken = {each.name for each in found}
@@ -207,4 +208,4 @@ def _description(table: PressTable, identifier: str, guid: str, values: Sequence
                 needs.append(inertia)
             ElementTree.SubElement(part, "Unknown", index=str(k), dependencies=" ".join(map(str, sorted(needs))))
     ElementTree.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="utf-8") + b"\n"
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, encoding="unicode")}\n'.encode()

@@ -111,10 +111,10 @@ def layout(table: PressTable) -> tuple[list[tuple[int, int]], Array]:
     panels = len(table.functions.borders) - 1
     coefficients = table.functions.coefficients
     by_term = coefficients.reshape(panels, FORCES + len(table.inputs), -1, coefficients.shape[-1])[:, :, :-1]
-    torque, live = table.components.index("driving_torque"), by_term.any(axis=(0, 3))
+    torque, live = table.components.index("driving_torque"), np.asarray(np.any(by_term, axis=(0, 3)))
     live[ACCELERATION, torque] = True  # the reduced inertia, also of a press without masses
     components = sorted(range(len(table.components)), key=lambda c: c != torque)
-    rows = [(c, t) for c in components for t in np.flatnonzero(live[:, c])]
+    rows = [(c, t) for c in components for t in np.flatnonzero(live[:, c]).tolist()]
     return rows, np.stack([by_term[:, t, c] for c, t in rows], axis=2)
 
 

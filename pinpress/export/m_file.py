@@ -11,7 +11,7 @@ from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.files import path_of
 from ..common.quantities import Array
-from .c_code import filled, header_lines, identifiers, layout
+from .c_source import filled, header_lines, identifiers, layout
 from .tables import PressTable
 
 
