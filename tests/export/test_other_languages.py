@@ -324,7 +324,8 @@ def test_the_command_exports_a_job(tmp_path, monkeypatch, capsys):
     """Springs of the job are in the table; its process load is left outside, and said."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "press.yaml").write_text(
-        "file: crank_slide\nloads: {draw: {kind: drawing, force: 100 kN, start: 30 mm}, lift: {kind: force, link: slide, force: [0, 0, 3 kN]}}\n"
+        "file: crank_slide\nloads:\n  draw: {kind: drawing, force: 100 kN, start: 30 mm}\n"
+        "  lift: {kind: point-force, link: slide, force: [0 kN, 0 kN, 3 kN]}\n"
     )
     assert main(["export", "press.yaml", "--to", "m", "--bearing", "P"]) == 0
     said = capsys.readouterr().out
