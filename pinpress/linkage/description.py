@@ -264,6 +264,11 @@ class Description:
     cams: tuple[Cam, ...] = ()
 
     @cached_property
+    def elements(self) -> tuple[MachineElement | Cam, ...]:
+        """All machine elements."""
+        return (*self.machine_elements, *self.cams)
+
+    @cached_property
     def types(self) -> dict[str, str]:
         """The type of each joint."""
         return {joint.name: joint.type for joint in self.joints}

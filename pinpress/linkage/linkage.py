@@ -845,8 +845,7 @@ def _made_of(press: Linkage) -> tuple[object, ...]:
     ends = "point1", "rotation1", "point2", "rotation2"
     loops = [(each.name, each.type, each.joint1, each.joint2, *(getattr(each, end).tolist() for end in ends)) for each in press.loops]
     relations = [(each.name, dict(each.coefficients), each.offset, each.curve) for each in press.relations]
-    said = press.document.description
-    elements = [replace(each, line=0) for each in (*said.machine_elements, *said.cams)]  # their friction and pressure angles
+    elements = [replace(each, line=0) for each in press.document.description.elements]  # their friction and pressure angles
     return (
         press.name,
         press.links,

@@ -289,8 +289,7 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
 
 def _of_elements(press: Linkage) -> set[str]:
     """Names of the machine elements of a linkage, whose relations follow from the drawing."""
-    said = press.document.description
-    return {each.name for each in (*said.machine_elements, *said.cams)}
+    return {each.name for each in press.document.description.elements}
 
 
 def _written(press: Linkage) -> list[Relation]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from numbers import Real
+
 import numpy as np
 
 from ..common import tables
-from ..common.outlets.described import Along, Block, Column, Figure, Map, Section, Table
+from ..common.outlets.described import Along, Block, Chart, Column, Curve, Figure, Map, Section, Table
 from ..common.quantities import quantity
 from ..dynamics.reactions import Reactions
 from .operating_map import OperatingMap, unit_of
@@ -47,7 +50,7 @@ def sweep(found: Sweep, page: Reactions | None = None) -> tuple[Section, ...]:
         Column("first", [values[0] for values in labels]),
         Column("last", [values[-1] for values in labels]),
     ]
-    blocks: list[Block] = [Table("axes", "Axes side by side" if found.paired else "Axes", axes, most=200)]
+    blocks: list[Block] = [*_charts(found), Table("axes", "Axes side by side" if found.paired else "Axes", axes, most=200)]
     if found.results:
         ends = [[*tables.ends(values), "", ""][:2] for values in found.results.values()]
         low, high = zip(*ends, strict=True)
@@ -59,6 +62,33 @@ def sweep(found: Sweep, page: Reactions | None = None) -> tuple[Section, ...]:
         errors = [bad.error.splitlines()[0] for bad in failed]
         blocks.append(Table("failed points", "Failed points", [Column("point", points), Column("error", errors)], most=10))
     return (Section("Sweep", (), blocks),)
+
+
+def _charts(found: Sweep) -> Iterator[Block]:
+    """Every result over a grid of numbers: a curve over one axis, a map over the first two, with the others in the middle of theirs.
+
+    Axes of one label are none, and a result of words has no chart.
+    """
+    axes = {name: np.array(labels, dtype=float) for name, labels in found.axes.items() if len(labels) > 1 and _are_numbers(labels)}
+    if found.paired or not axes or len(axes) < sum(len(labels) > 1 for labels in found.axes.values()):
+        return
+    drawn, order = list(axes)[:2], {name: np.argsort(values) for name, values in axes.items()}
+    middle = {name: len(labels) // 2 for name, labels in found.axes.items() if name not in drawn}
+    at = ", ".join(f"{name} = {found.axes[name][k]:.{DIGITS}g}" for name, k in middle.items() if name in axes)
+    along = [Along(name, "", axes[name][order[name]]) for name in drawn]
+    for name, column in found.results.items():
+        if not _are_numbers(np.ma.compressed(column)):
+            continue
+        values = np.ma.filled(found.grid(name).astype(float), np.nan)[tuple(middle.get(axis, slice(None)) for axis in found.axes)]
+        values = values[np.ix_(*(order[axis] for axis in drawn))]
+        if len(drawn) == 1:
+            yield Chart(name, name, "", along[0], [Curve(name, values)])
+        else:
+            yield Map(name, f"{name} at {at}" if at else name, "", along[1], along[0], values)
+
+
+def _are_numbers(values: Iterable[object]) -> bool:
+    return all(isinstance(value, Real) and not isinstance(value, bool) for value in values)
 
 
 SECTIONS = {OperatingMap: operating_map, Sweep: sweep}

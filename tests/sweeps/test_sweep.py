@@ -21,6 +21,7 @@ from support.sweep_points import dies, doubled, fails_at_odd, logged, product, r
 from support.time_limit import within
 
 import pinpress as pp
+from pinpress.common.outlets.described import Chart, Map
 from pinpress.sweeps.sweeping import sweep
 
 pytestmark = pytest.mark.usefixtures("time_limit")
@@ -53,6 +54,30 @@ def same(one, other):
         assert column.dtype == other.column(name).dtype
         np.testing.assert_array_equal(np.ma.getmaskarray(column), np.ma.getmaskarray(other.column(name)))
         assert column.tolist() == other.column(name).tolist()
+
+
+def test_charts_of_a_grid():
+    """A map over the first two axes at the middle of the third, in rising order; a curve over one; nothing where there is no grid."""
+
+    def of_grid(a, b, c=0.0):
+        if (a, b) == (3, 4.0):
+            raise ValueError(a)
+        return {"sum": a + 10 * b + 100 * c, "word": "x"}
+
+    (section,) = sweep(of_grid, GRID | {"c": [5.0, 7.0, 9.0]}).described()
+    (drawn,) = (block for block in section.blocks if isinstance(block, Map))
+    assert (drawn.title, drawn.up.name, drawn.across.name) == ("sum at c = 7", "a", "b")
+    np.testing.assert_array_equal(drawn.values, [[706, 741], [707, 742], [708, np.nan]])
+    (section,) = sweep(of_grid, {"a": [3, 1, 2], "b": [0.5]}).described()
+    (line,) = (block for block in section.blocks if isinstance(block, Chart))
+    assert (line.along.values.tolist(), line.curves[0].y.tolist()) == ([1, 2, 3], [6, 7, 8])
+    for axes, paired in (({"a": ["x", "y"]}, False), ({"a": [1, 2], "b": [3, 4]}, True)):
+        (section,) = sweep(told_in_words, axes, paired=paired).described()
+        assert not any(isinstance(block, Chart | Map) for block in section.blocks)
+
+
+def told_in_words(a, b=0):
+    return {"word": str(a)}
 
 
 def test_last_axis_is_the_fastest():
