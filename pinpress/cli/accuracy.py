@@ -7,7 +7,7 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..drives.transmission import Flywheel
-from ..dynamics.inputs import described, of_press, stated
+from ..dynamics.inputs import of_press, row, stated
 from .options import add_job_options, open_job, print_inputs, progress, write_pictures
 
 EPILOG = """\
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
             progress=told,
         )
     print(measured)
-    turning = [] if flywheel is None else [("flywheel", described(flywheel))]
+    turning = [] if flywheel is None else [row("flywheel", flywheel)]
     print_inputs(job, [*of_press(press), ("speed", f"{job.speed / RPM:g} r/min"), *turning, ("scenes", ", ".join(scenes)), stated()])
     if options.out is not None:
         measured.to_csv(options.out / "accuracy.csv")  # first, so that no measurement is lost if Matplotlib is missing

@@ -16,7 +16,7 @@ from ..common.results import Tabular
 from ..dynamics.described import Places
 from ..dynamics.driving_energy import driving_energy
 from ..dynamics.extremes import at_peaks
-from ..dynamics.inputs import described, inputs
+from ..dynamics.inputs import inputs, row
 from ..dynamics.reactions import Reactions
 from ..dynamics.timing import TimingDiagram
 from ..elasticity.slide_under_load import DeflectedSlide
@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
     driving: list[tuple[str, str]] = []
     for name in ("flywheel", "motor"):
         if name in job.sections:
-            driving += [(name, described(part, job.press.driver_coordinates[0])) for part in job.sections[name].values()]
+            driving += [row(name, part, job.press.driver_coordinates[0]) for part in job.sections[name].values()]
     capacities = [] if not isinstance(ratings, PressRatings) else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
     *stated, computed = inputs(reactions)
     print_inputs(job, [*stated, *driving, *capacities, computed])

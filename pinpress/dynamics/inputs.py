@@ -6,6 +6,7 @@ press builders use. Fields that have no value are left out, and those that must 
 
 import datetime
 import hashlib
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
@@ -130,7 +131,7 @@ def _by_bearing(given: Mapping[str, Any], unit: str = "") -> str:
 
 
 def described(part: object, driver: DriverCoordinate = CRANK) -> str:
-    """A load, drive or other part in words: its class and its fields, with units where they are declared.
+    """A load, drive or other part in words: "deep drawing: force = 100 kN, start = 20 mm", with units where they are declared.
 
     Args:
         part: the part.
@@ -140,12 +141,19 @@ def described(part: object, driver: DriverCoordinate = CRANK) -> str:
         return part
     if not is_dataclass(part) or isinstance(part, type):
         return shown(part)
-    words = []
+    words, parts = [], []
     for field in in_signature(part):
         value, known = getattr(part, field.name), declared(field)
         if value is not None and not (field.kw_only and value == field.default):
-            words.append(f"{field.name}={written(value, '' if known is None else driver.in_place_of(known.unit))}")
-    return f"{type(part).__name__}({', '.join(words)})"
+            name, said = field.name.replace("_", " "), written(value, "" if known is None else driver.in_place_of(known.unit))
+            parts.append(f"{name}: {said}") if is_dataclass(value) else words.append(f"{name} = {said}")
+    kind = re.sub("(?<=[a-z])(?=[A-Z])", " ", type(part).__name__).lower()
+    return "; ".join([f"{kind}: {', '.join(words)}" if words else kind, *parts])
+
+
+def row(name: str, part: object, driver: DriverCoordinate = CRANK) -> tuple[str, str]:
+    """A row of inputs with a part in words, which do not say its kind again where the name of the row says it."""
+    return name, described(part, driver).removeprefix(f"{name}: ")
 
 
 def written(value: object, unit: str, digits: int = DIGITS) -> str:

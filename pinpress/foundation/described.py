@@ -10,7 +10,7 @@ import numpy as np
 from ..common.outlets.described import Along, Block, Chart, Column, Curve, Figure, Section, Table
 from ..common.quantities import RPM, Array, quantity
 from ..dynamics.extremes import AXES
-from ..dynamics.inputs import Inputs, described
+from ..dynamics.inputs import Inputs, described, row
 from ..dynamics.reactions import Reactions
 from ..loads.mounts import Frame
 from ..simulation.elastic.parts_in_words import mounts_in_words
@@ -106,7 +106,7 @@ def _inputs(system: MountedPress) -> Inputs:
         for name, each in system.attached.items()
     ]
     spinning = [(f"rotor {k + 1}", described(rotor)) for k, rotor in enumerate(system.rotors)]
-    own = [(name, described(part) if isinstance(part, Frame) else part.title) for name, part in parts]
+    own = [row(name, part) if isinstance(part, Frame) else (name, part.title) for name, part in parts]
     return [*own, *((name, mounts_in_words(some)) for name, some in springs), *aside, *spinning]
 
 

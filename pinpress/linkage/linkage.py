@@ -135,9 +135,14 @@ class Linkage(Frozen):
         return f"<Linkage {self.name}: driver {', '.join(self.motors)}{passive}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: a drawing of the linkage, 60 deg after its drawn pose where one driver turns it as far."""
+        """What a notebook shows."""
         from html import escape  # to save start-up time: only notebooks need it
 
+        return f"<div><div>{escape(repr(self)[1:-1])}</div>{self.drawing}</div>"
+
+    @property
+    def drawing(self) -> str:
+        """SVG of the linkage, 60 deg after its drawn pose where one driver turns it as far."""
         from .skeleton import pitch_circles, skeleton  # to save start-up time: the XML library
 
         try:
@@ -146,8 +151,7 @@ class Linkage(Frozen):
             shown = self.drawn_at_home()
         links = [self.link_of(joint) for joint in range(self.model.njoints)]
         circles = pitch_circles(shown.model, shown.meshes.values())
-        picture = skeleton(shown.model, self.loops, self.axes, links, f"drawing of {self.name}", circles)
-        return f"<div><div>{escape(repr(self)[1:-1])}</div>{picture}</div>"
+        return skeleton(shown.model, self.loops, self.axes, links, f"drawing of {self.name}", circles)
 
     @property
     def file(self) -> str:

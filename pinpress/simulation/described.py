@@ -11,7 +11,7 @@ from ..common.quantities import Array, quantity
 from ..drives.protocol import corners_of
 from ..drives.transmission import Geared
 from ..dynamics.described import driver_table, works
-from ..dynamics.inputs import described
+from ..dynamics.inputs import row
 from ..dynamics.reactions import Reactions
 from ..kinematics.described import along_motion, by_driver, chart, known_dead_centres, slide_charts
 from ..kinematics.slide_path import slide_turns, stroke_turns
@@ -48,7 +48,7 @@ def run(result: Run, page: Reactions | None = None) -> tuple[Section, ...]:
     several = len(result.drivers) > 1
     blocks: list[Block] = [] if own else _speeds(result, along)
     parts = {"motor": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
-    inputs = [] if own else [(name, described(as_given(part), first)) for name, part in parts.items() if part is not None]
+    inputs = [] if own else [row(name, as_given(part), first) for name, part in parts.items() if part is not None]
     figures = _figures_of_several(result) if several else _figures(result, duty_cycle(result), steady)
     blocks += [driver_table(result)] if several else [*_motor(result, along), *_mains(result)]
     blocks += [*_energy(result), *([] if several else _strokes(result))]

@@ -341,7 +341,7 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
     start = f"simulated from {', '.join(begins)}, {run.time[-1]:.6g} s, {len(run.time)} states"
     several = _several_drives(driven)
     parts = {"drive": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
-    described = [(name, inputs.described(as_given(part), coordinates[0])) for name, part in parts.items() if part is not None]
+    described = [inputs.row(name, as_given(part), coordinates[0]) for name, part in parts.items() if part is not None]
     described += [(f"drive at {run.drivers[k]}", inputs.described(as_given(drive), coordinates[k])) for k, drive in several]
     described += [(f"drive at {name}", inputs.described(part, coordinates[run.drivers.index(name)])) for name, part in driven.held.items()]
     if len(driven.inertias) > 1 and driven.inertias.any():

@@ -294,6 +294,8 @@ class _Tab:
         self._do(self._page.evaluate, "typeof unpacked === 'object' ? unpacked : null")
         if not self._do(self._page.evaluate, PLAYER):
             raise PinpressError(f"{self._name} is no recording; give a page that pinpress.record or report wrote")
+        if self._do(self._page.evaluate, "document.body.classList.contains('flat')"):
+            raise PinpressError(f"{self._name} fails in Chromium, where WebGL is switched off or missing; allow it")
         self.duration = float(self._do(self._page.evaluate, "duration"))
 
     def picture(self, time: float) -> bytes:

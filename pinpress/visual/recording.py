@@ -6,6 +6,7 @@ without a server or a network. World axes are in metres, with z up; a planar pre
 
 from __future__ import annotations
 
+import base64
 import math
 import os
 from collections import Counter
@@ -115,7 +116,8 @@ def scene(
         magnified = {"magnified": magnification(press, moved)}
         at = displaced(press, at, magnified["magnified"] * moved)
     drawn = bodies(press, motion.joint_position[frames.states], flywheels=flywheels)
-    return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn) | magnified
+    flat = f"data:image/svg+xml;base64,{base64.b64encode(press.drawing.encode()).decode()}"  # for browsers without WebGL
+    return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn) | magnified | {"drawing": flat}
 
 
 def shaft_flywheels(press: Linkage, given: Flywheel | Mapping[str, Flywheel] | None, results: Sequence[object]) -> list[ShaftFlywheel]:

@@ -120,7 +120,7 @@ def test_numbers_of_a_bare_press(capsys: pytest.CaptureFixture[str]) -> None:
         "  70 strokes/min, A turns counter-clockwise at 70 r/min",
         "  top dead centre                155.497 deg    at 0.370231 s",
         "  fastest, working stroke         1.4697 m/s    at 209.977 deg, 178.758 mm",
-        "  largest power                   140.24 kW     at 73.420 deg",
+        "  largest power                   140.24 kW     at 73.421 deg",
     ):
         assert line in text
     backwards = printed(capsys, "analyse", "zxn2_3000b", "--speed", "-70r/min")

@@ -191,4 +191,4 @@ def test_a_unit_that_is_no_si_unit_has_the_numbers_of_its_row():
             if asked.name == row.name:
                 assert asked.text(12.0, 6) == row.text(12.0 * size, 6), unit
     motor = pp.drives.InductionMotor(3e4, 1465 * pp.RPM)
-    assert "frequency=50 Hz" in described(motor)
+    assert "frequency = 50 Hz" in described(motor)

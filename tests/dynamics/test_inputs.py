@@ -32,22 +32,25 @@ class OfCallers:
 @pytest.mark.parametrize(
     ("part", "words"),
     [
-        (BLANK, "Blanking(force=1000 kN, start=6 mm, end=2 mm, stripping=0 N)"),
-        (pp.loads.ForceStroke([0.0, 0.01, 0.05], [8e5, 6e5, 0.0]), "ForceStroke(heights=(0, 10, 50) mm, forces=(800, 600, 0) kN)"),
+        (BLANK, "blanking: force = 1000 kN, start = 6 mm, end = 2 mm, stripping = 0 N"),
+        (pp.loads.ForceStroke([0.0, 0.01, 0.05], [8e5, 6e5, 0.0]), "force stroke: heights = (0, 10, 50) mm, forces = (800, 600, 0) kN"),
         (
             pp.loads.ForceStroke(np.linspace(0, 0.05, 6), np.linspace(8e5, 1e5, 6), datum=-0.9),
-            "ForceStroke(heights=6 numbers from 0 to 50 mm, forces=6 numbers from 100 to 800 kN, datum=-900 mm)",
+            "force stroke: heights = 6 numbers from 0 to 50 mm, forces = 6 numbers from 100 to 800 kN, datum = -900 mm",
         ),
-        (pp.loads.PointForce("rod", (0.0, 0.0, 5.0)), "PointForce(link=rod, force=(0, 0, 5) N, point=(0, 0, 0) mm)"),
-        (pp.loads.TimeForce(steady), "TimeForce(force=steady, edges=())"),
-        (pp.loads.Friction(0.08, 0.06), "Friction(coefficient=0.08, radius=60 mm, viscous=0, preload=0 N)"),
-        (pp.drives.Flywheel(2000.0, 70 * pp.RPM), "Flywheel(inertia=2000 kg m2, speed=70 r/min)"),
+        (pp.loads.PointForce("rod", (0.0, 0.0, 5.0)), "point force: link = rod, force = (0, 0, 5) N, point = (0, 0, 0) mm"),
+        (pp.loads.TimeForce(steady), "time force: force = steady, edges = ()"),
+        (pp.loads.Friction(0.08, 0.06), "friction: coefficient = 0.08, radius = 60 mm, viscous = 0, preload = 0 N"),
+        (pp.drives.Flywheel(2000.0, 70 * pp.RPM), "flywheel: inertia = 2000 kg m2, speed = 70 r/min"),
         (
             pp.drives.Geared(pp.drives.ConstantTorque(567.0), 20.7),
-            "Geared(drive=ConstantTorque(value=567 N m), ratio=20.7, gear_inertia=0 kg m2, efficiency=1)",
+            "geared: ratio = 20.7, gear inertia = 0 kg m2, efficiency = 1; drive: constant torque: value = 567 N m",
         ),
-        (pp.drives.Brake(4e4, closes=pp.drives.SwitchPoint(time=0.1)), "Brake(torque=40 kN m, closes=SwitchPoint(time=0.1 s), rise=0 s)"),
-        (pp.drives.SwitchPoint(angle=np.pi), "SwitchPoint(angle=180 deg)"),
+        (
+            pp.drives.Brake(4e4, closes=pp.drives.SwitchPoint(time=0.1)),
+            "brake: torque = 40 kN m, rise = 0 s; closes: switch point: time = 0.1 s",
+        ),
+        (pp.drives.SwitchPoint(angle=np.pi), "switch point: angle = 180 deg"),
         (OfCallers(), "my press tool"),
         ("what was sent in words", "what was sent in words"),
     ],
@@ -60,11 +63,11 @@ def test_parts_in_words(part, words):
 def test_what_drives_a_driver_that_slides_has_forces():
     servo = pp.drives.ServoMotor((0.0, 1.0), (0.0, 0.1), 2e6, 9e3, 50e3, 40.0)
     constant = pp.drives.ConstantTorque(20000.0)
-    assert described(constant, RAM) == "ConstantTorque(value=20 kN)"
+    assert described(constant, RAM) == "constant torque: value = 20 kN"
     geared = described(pp.drives.Geared(constant, 600.0, gear_inertia=3.0), RAM)
-    assert geared == "Geared(drive=ConstantTorque(value=20 kN m), ratio=600, gear_inertia=3 kg, efficiency=1)"
-    assert described(pp.drives.PrescribedSpeed(0.1), RAM) == "PrescribedSpeed(speed=0.1 m/s)"
-    assert described(servo, RAM).split("stiffness=")[1] == "2 kN/mm, damping=9000 N s/m, peak_torque=50 kN, inertia=40 kg)"
+    assert geared == "geared: ratio = 600, gear inertia = 3 kg, efficiency = 1; drive: constant torque: value = 20 kN m"
+    assert described(pp.drives.PrescribedSpeed(0.1), RAM) == "prescribed speed: speed = 0.1 m/s"
+    assert described(servo, RAM).split("stiffness = ")[1] == "2 kN/mm, damping = 9000 N s/m, peak torque = 50 kN, inertia = 40 kg"
 
 
 def test_inputs_of_reactions():
@@ -106,7 +109,7 @@ def test_inputs_of_a_run():
     run = pp.simulate(press, 0.05, speed=SPEED, angle=0.5, loads=[BLANK], points=12, **parts)
     rows = dict(inputs_of(pp.inverse_dynamics(press, run, [BLANK])))
     assert rows["motion"] == "simulated from crank angle 28.6479 deg at 70 r/min, 0.05 s, 12 states"
-    assert [rows[name] for name in parts] == [described(part) for part in parts.values()]
+    assert [rows[name] for name in parts] == [described(part).removeprefix(f"{name}: ") for name, part in parts.items()]
     assert "method 'reduced' by explicit, tolerance 1e-11" in rows["computed by"]
 
 

@@ -14,6 +14,12 @@ import numpy as np
 DRAWN = ["--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader"]  # by the processor
 FLAGS = [*DRAWN, "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"]
 
+# in front of a page: a browser without WebGL, as on remote desktops
+NO_WEBGL = """const drawn = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+  return kind.startsWith("webgl") ? null : drawn.call(this, kind, ...more);
+}"""
+
 
 def data_in(path: Path) -> dict[str, Any]:
     """What a page was given to show."""

@@ -70,7 +70,7 @@ def test_charts_of_a_grid():
     np.testing.assert_array_equal(drawn.values, [[706, 741], [707, 742], [708, np.nan]])
     (section,) = sweep(of_grid, {"a": [3, 1, 2], "b": [0.5]}).described()
     (line,) = (block for block in section.blocks if isinstance(block, Chart))
-    assert (line.along.values.tolist(), line.curves[0].y.tolist()) == ([1, 2, 3], [6, 7, 8])
+    assert (line.curves[0].x.tolist(), line.curves[0].y.tolist()) == ([1, 2, 3], [6, 7, 8])
     for axes, paired in (({"a": ["x", "y"]}, False), ({"a": [1, 2], "b": [3, 4]}, True)):
         (section,) = sweep(told_in_words, axes, paired=paired).described()
         assert not any(isinstance(block, Chart | Map) for block in section.blocks)

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import texts
+from support.in_browser import NO_WEBGL
 from support.refused_commands import refused
 
 import pinpress as pp
@@ -345,8 +346,8 @@ def with_script(page: Path, path: Path, script: str) -> None:
 @pytest.mark.usefixtures("running")
 def test_without_webgl(page: Path, tmp_path: Path) -> None:
     html, out = tmp_path / "out.html", tmp_path / "out.png"
-    with_script(page, html, "HTMLCanvasElement.prototype.getContext = () => null")
-    with pytest.raises(pp.PinpressError, match=r"fails in Chromium: .*WebGL"):
+    with_script(page, html, NO_WEBGL)
+    with pytest.raises(pp.PinpressError, match="fails in Chromium, where WebGL is switched off"):
         image(html, out, time=0.6, size=(64, 64))
     assert not out.exists()
 

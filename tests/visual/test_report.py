@@ -193,7 +193,7 @@ def test_table_of_extremes(page: Any, result: Any) -> None:
     assert_allclose([shown(t) for t in (smallest, largest, width)], [torque.min(), torque.max(), np.ptp(torque)], rtol=5e-4)
     assert shown(at) == pytest.approx(2 * torque.argmax(), abs=1.0)
     assert shown(rms) == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
-    figures = page.inner_text(".figures")
+    figures = page.inner_text(".verdict")
     assert "301.261 mm" in figures
     assert f"{float(max(shown(largest), -shown(smallest))):.5g} kN m" in figures
 

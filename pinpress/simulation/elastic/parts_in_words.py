@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...dynamics.inputs import Inputs, described, written
+from ...dynamics.inputs import Inputs, row, written
 from ...loads.mounts import Mount
 from .description import Elastic, Stiffness
 from .preloaded_joint import PreloadedJoint
@@ -43,7 +43,7 @@ def elastic_in_words(elastic: Elastic) -> Inputs:
     if elastic.flexible_links:
         words.append(("flexible links", ", ".join(f"{each.link}, {len(each.natural_frequency)} shapes" for each in elastic.flexible_links)))
     if elastic.mounted_frame is not None:
-        words += [("frame", described(elastic.mounted_frame)), ("mounts", mounts_in_words(elastic.mounts))]
+        words += [row("frame", elastic.mounted_frame), ("mounts", mounts_in_words(elastic.mounts))]
     return [*stiffness_in_words(elastic.stiffness), *words]
 
 

@@ -52,14 +52,16 @@ def report(
 ) -> Path:
     """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return the path.
 
-    At its top the page states what was computed: press, file and its SHA-256, motion, drives, loads, friction, version and day. Its charts
-    show slide height, velocity and acceleration; driving torque, crank speed if it is not constant, and the energy balance of a stroke;
-    every bearing and guide force, its magnitude, components, and polar diagrams in world axes and in the axes of the loaded link; moments
-    in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process force over the crank angle
-    and over the slide's height. For a run, a chart shows the motor's torque over the speed, with the motor's curve. A table lists the
-    extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn, and the states on both sides of each step
-    of the load. For an `ElasticRun` these forces are those of the rigid press; a separate section compares them with the forces of the
-    springs, and shows the slide's depth and the places where loads begin and end.
+    At its top a table has the numbers that are looked for first and all that have a limit, with the share of the limit; beside ``before``
+    also its numbers, and the changes. Charts show slide height, velocity and acceleration; driving torque, crank speed if it is not
+    constant, and the energy balance of a stroke; every bearing and guide force, its magnitude, components, and polar diagrams in world axes
+    and in the axes of the loaded link; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts
+    show the process force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed,
+    with the motor's curve. A table lists the extremes, see `measures.extremes`. Curves have the recording's key frames, at most 360 a turn,
+    and the states on both sides of each step of the load. For an `ElasticRun` these forces are those of the rigid press; a separate section
+    compares them with the forces of the springs, and shows the slide's depth and the places where loads begin and end. At its end the page
+    states what was computed: press, file and its SHA-256, motion, drives, loads, friction, version and day. Without WebGL a drawing stands
+    in place of the moving press.
 
     Args:
         press: As for `record`.
@@ -148,13 +150,30 @@ def _content(
     return {
         "subtitle": f"{in_words(shown.motion)}, {count} {'states' if count > 1 else 'state'}{beside}",
         "inputs": inputs,
-        "figures": [figure(number) for part in shown.sections for number in part.figures if number.kind],
+        "figures": _verdict([*shown.sections, *more], [] if before is None else before.sections),
         "over": {"quantity": abscissa.name, "unit": {"rad": "deg", "m": "mm"}.get(abscissa.quantity, abscissa.quantity)},
         "before": None if before is None else packed(before.along, "before"),
         "heights": None if heights is None else packed(heights, "height"),
         "period": shown.period,
         "sections": drawn,
     }
+
+
+def _verdict(sections: Sequence[described.Section], before: Sequence[described.Section]) -> list[dict[str, Any]]:
+    """Numbers that are looked for first or have a limit, with the share of it, and beside a press before with its numbers and changes."""
+    old = {(part.title, number.name): number for part in before for number in part.figures}
+    rows = []
+    for part in sections:
+        for number in part.figures:
+            if not (number.kind or number.limit is not None):
+                continue
+            then = old.get((part.title, number.name))
+            change = ""
+            if then is not None and not isinstance(number.value, str) and not isinstance(then.value, str) and then.value:
+                change = f"{100 * (number.value / then.value - 1):+.1f} %"
+            more: dict[str, Any] = {"use": number.use, "before": "" if then is None else figure(then)["value"], "change": change}
+            rows.append(dict[str, Any](figure(number)) | {key: value for key, value in more.items() if value})
+    return rows
 
 
 def _with_limit(part: described.Section, ratings: PressRatings | None) -> described.Section:

@@ -72,7 +72,8 @@ def slide_block(mass: float, least_width: float, least_depth: float, size: float
 
 
 def flywheel_disc(inertia: float, size: float) -> Cylinder:
-    """A disc along z with this moment of inertia about its axis [kg m2]. Its thickness is a quarter of its radius; it is thicker if its
-    radius would exceed 0.6 of the linkage's size [m]."""
-    radius = min((2 * inertia / (math.pi * STEEL * 0.25)) ** 0.2, 0.6 * size)
-    return Cylinder(radius, 2 * inertia / (math.pi * STEEL * radius**4))
+    """A disc along z that stands for a flywheel of this moment of inertia about its axis [kg m2]. It has this inertia as steel, with a
+    thickness of a quarter of its radius, where its radius is then from 0.15 to 0.3 of the linkage's size [m]; else it is a symbol of the
+    nearer of these sizes."""
+    radius = float(np.clip((2 * inertia / (math.pi * STEEL * 0.25)) ** 0.2, 0.15 * size, 0.3 * size))
+    return Cylinder(radius, 0.25 * radius)

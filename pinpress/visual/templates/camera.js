@@ -16,7 +16,8 @@ function holdArrows() {  // the camera holds them too
   for (const { place, force, towards } of arrows)
     for (let k = 0; k < data.time.length; k += stride) {
       moment = { before: k, after: k, part: 0 };
-      const tip = vector(place).addScaledVector(vector(force), (towards ? -LONGEST : LONGEST) / data.peak);
+      const way = vector(force), newtons = way.length();
+      const tip = vector(place).addScaledVector(way, (towards ? -1 : 1) * lengthOf(newtons) / (newtons || 1));
       box.expandByPoint(upright(...tip.toArray()));
     }
 }

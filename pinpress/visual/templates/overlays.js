@@ -37,6 +37,9 @@ function layer(geometry, colour, side, order) {
   return mesh;
 }
 
+// By the root of the force, so that small ones are seen beside a blow; none below 2 % of the peak.
+const lengthOf = force => force < 0.02 * data.peak ? 0 : LONGEST * Math.sqrt(force / data.peak);
+
 function addArrow(place, force, towards) {
   const group = new THREE.Group(), shaft = new THREE.CylinderGeometry(1, 1, 1, 20), head = new THREE.ConeGeometry(1, 1, 28);
   shaft.translate(0, 0.5, 0);
@@ -50,8 +53,8 @@ function addArrow(place, force, towards) {
 function drawArrow(arrow) {
   const force = vector(arrow.force);
   arrow.newtons = force.length();
-  const length = LONGEST * arrow.newtons / data.peak, { group, parts: [shaftRim, headRim, shaft, head] } = arrow;
-  group.visible = length > 1e-4 * size;
+  const length = lengthOf(arrow.newtons), { group, parts: [shaftRim, headRim, shaft, head] } = arrow;
+  group.visible = length > 0;
   if (!group.visible) return;
   const width = Math.min(1, 0.3 + length / (0.1 * size)) * 0.0045 * size, tip = Math.min(7 * width, 0.5 * length), rim = 0.0014 * size;
   const direction = force.divideScalar(arrow.newtons);
@@ -160,17 +163,17 @@ function addLabels() {
   element("labels").append(leaders);
   const named = data.bearings.map(({ name, place }, i) => ({ name, place, arrow: arrows[i] }));
   places.forEach((series, place) => addLabel(series, named.filter(bearing => bearing.place === place)));
-  if (arrows.length) addLabel(foot(), [{ name: say("shaking force"), arrow: arrows[named.length] }]);
-  if (data.process) addLabel(floats(data.process.place), [{ name: say("process force"), arrow: arrows[named.length + 1] }]);
+  if (arrows.length) addLabel(foot(), [{ name: say("force on the floor"), arrow: arrows[named.length] }]);
+  if (data.process) addLabel(floats(data.process.place), [{ name: say("process force"), arrow: arrows[named.length + 1], idle: true }]);
   if (labels.length > MANY) labels.sort((one, two) => two.peak - one.peak);  // these get a place first
 }
 
 function addLabel(series, named) {
   const dot = make("i", element("labels")), chip = make("div", element("labels")), leader = document.createElementNS(SVG, "line");
-  const rows = named.map(({ name, arrow }) => {
+  const rows = named.map(({ name, arrow, idle }) => {
     const row = make("p", chip);
     make("b", row, { textContent: name, title: name });
-    return { value: make("span", row), arrow };
+    return { row, value: make("span", row), arrow, idle };
   });
   leader.setAttribute("stroke", "currentColor");
   leaders.append(leader);
@@ -187,7 +190,10 @@ function largest(force) {  // length of the vectors (k, 3)
 function fillLabels() {
   const shown = element("show-forces").ariaPressed === "true";
   for (const label of labels)
-    for (const { value, arrow } of label.rows) value.textContent = arrow && shown ? newtons(arrow.newtons) : "";
+    for (const { row, value, arrow, idle } of label.rows) {
+      row.hidden = idle && arrow.newtons < 1e-6 * data.peak;  // a load that does not act has no name
+      value.textContent = arrow && shown ? newtons(arrow.newtons) : "";
+    }
   for (const label of labels) [label.width, label.height] = [label.chip.offsetWidth, label.chip.offsetHeight];
 }
 

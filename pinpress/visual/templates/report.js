@@ -323,6 +323,22 @@ function figures(parent, { figures }) {  // in rows of nearly equal numbers, eac
   arrange();
 }
 
+function verdict(parent, { figures }) {  // what is looked for first: value, share of its limit, where; beside another press its value and the change
+  const box = make("section", parent, { className: "chart table verdict", ariaLabel: say("Summary") }), body = make("tbody", make("table", box));
+  const compared = figures.some(({ before }) => before), signed = text => text.replace(/(^| )-(?=\d)/g, "$1\u2212");
+  for (const { name, value, at, use, before, change } of figures) {
+    const row = make("tr", body), bar = use === undefined ? "" : `${Math.round(100 * use)} %`;
+    make("th", row, { textContent: name, scope: "row", className: "words" });
+    if (compared) make("td", row, { textContent: signed(before ?? "") });
+    make("td", row).append(Object.assign(document.createElement("strong"), { textContent: signed(value) }));
+    if (compared) make("td", row, { textContent: signed(change ?? "") });
+    const cell = make("td", row, { className: "use" });
+    if (bar) make("meter", cell, { min: 0, max: 1, high: 0.9, optimum: 0, value: Math.min(1, use), title: bar });
+    make("small", cell, { textContent: use > 1 ? `${bar} !` : bar });
+    make("td", row, { textContent: signed(at), className: "words" });
+  }
+}
+
 function facts(parent, { title, rows }) {
   const box = make("section", parent, { className: "chart inputs" });
   if (title) make("h3", box, { textContent: title });
@@ -360,12 +376,13 @@ function drawReport() {
   const article = element("charts");
   if (report.header) titleBlock(article, report.header);
   element("subtitle").textContent = report.subtitle;
-  for (const given of report.inputs) facts(article, given);
-  if (report.figures.length) figures(article, report);
+  if (report.figures.length) verdict(article, report);
   for (const { title, note, blocks } of report.sections) {
     make("h2", article, { textContent: title });
     if (note) make("p", article, { className: "remark", textContent: note });
     for (const block of blocks) BLOCKS[block.kind](article, block);
   }
+  make("h2", article, { textContent: say("Inputs") });
+  for (const given of report.inputs) facts(article, given);
   seek(now);
 }

@@ -21,13 +21,22 @@ function make(tag, parent, properties = {}) {
 const upright = (x, y, z) => new THREE.Vector3(x, z, -y);  // three.js has y up: the press's (x, y, z) stands there
 
 // ---- scene ----
-if (!["webgl2", "webgl"].some(kind => document.createElement("canvas").getContext(kind))) {
-  const message = Object.assign(document.createElement("p"), { className: "message", textContent: say("This browser cannot draw the moving press: WebGL is switched off or missing. Allow hardware acceleration, or open the page in another browser.") });
-  message.setAttribute("role", "alert");
-  document.body.prepend(message);
-  throw new Error("no WebGL");
+const solid = ["webgl2", "webgl"].some(kind => document.createElement("canvas").getContext(kind));
+const viewer = solid ? new Viewer(element("view"), false) : flatViewer();
+
+function flatViewer() {  // without WebGL, as on remote desktops: a drawing stands in place of the moving press, and all else of the page works
+  const nothing = () => {}, message = make("p", element("view"), { className: "message", textContent: say("This browser cannot draw the moving press: WebGL is switched off or missing. Allow hardware acceleration, or open the page in another browser.") });
+  message.setAttribute("role", "status");
+  document.body.classList.add("flat");
+  if (data.drawing) make("img", element("view"), { id: "drawing", src: data.drawing, alt: say("Drawing of the press") });
+  return {
+    scene: new THREE.Scene(), camera: new THREE.PerspectiveCamera(), scene_tree: { find: () => ({ object: new THREE.Group() }) },
+    animator: { seek: nothing, play: nothing, pause: nothing }, controls: { target: new THREE.Vector3(), update: nothing, addEventListener: nothing },
+    renderer: { setSize: nothing, setPixelRatio: nothing, domElement: { toDataURL: () => data.drawing || "data:," } },
+    handle_command_bytearray: nothing, set_property: nothing, set_dirty: nothing, delete_path: nothing, render: nothing, needs_render: false,
+  };
 }
-const viewer = new Viewer(element("view"), false);
+
 viewer.set_3d_pane_size = resize;
 for (const command of data.scene)
   viewer.handle_command_bytearray(Uint8Array.from(atob(command), c => c.charCodeAt(0)));
@@ -47,7 +56,7 @@ function boundsOverTheMotion() {
     viewer.scene.updateMatrixWorld(true);
     bounds.expandByObject(viewer.scene_tree.find(["press"]).object);
   }
-  return bounds;
+  return bounds.isEmpty() ? new THREE.Box3(new THREE.Vector3(), new THREE.Vector3(1, 1, 1)) : bounds;
 }
 
 function addLights() {
