@@ -395,7 +395,9 @@ def energy_of_stroke(reactions: Reactions) -> tuple[list[Figure], list[Bars]]:
     figures = [Figure("taken up and given off", asked.stored, "J", "by a flywheel at an even torque")]
     if abs(asked.work) > least:
         figures = [Figure("mean torque", asked.mean_torque, "N m"), Figure("mean power", asked.mean_power, "W"), *figures]
-    return figures, works("energy", "Energy of a stroke", {name: value / strokes for name, value in work.items() if abs(value) > least})
+    kinds = {name: value / strokes for name, value in work.items() if abs(value) > least}
+    # of two works one is the other
+    return figures, works("energy", "Energy of a stroke", kinds) if len(kinds) > 2 else []
 
 
 def works(name: str, title: str, work: Mapping[str, float]) -> list[Bars]:

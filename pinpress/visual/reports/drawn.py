@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -23,6 +23,7 @@ from ..pages import packed
 from .shown import Shown, refuse_others
 
 DIGITS = 5  # digits of numbers on a page
+MOST_CURVES = 5  # of a chart of all bearings
 SAME = 1e-6  # rounding errors may put an angle beyond its period by this share of a period
 
 Follows = Literal["frames", "position", "height", "time", "nothing"]
@@ -63,9 +64,21 @@ def section(part: described.Section, shown: Shown, before: Shown | None = None, 
     """
     figures = [figure(each) for each in part.figures if headlines or not each.kind]
     polars = [block for block in part.blocks if isinstance(block, described.Polar)]
+    # more than five curves in one chart tell nothing: the table of the bearings has a small one in each row, and their peaks as numbers
+    sizes = next((block for block in part.blocks if isinstance(block, described.Chart) and block.name == "bearings"), None)
+    if polars and sizes is not None and len(sizes.curves) > MOST_CURVES:
+        small = {curve.name: curve.y for curve in sizes.curves}
+        part = replace(part, blocks=[block for block in part.blocks if block.name not in ("bearings", "peaks")])
+    else:
+        small = {}
     details = {block.name: block for block in part.blocks if isinstance(block, described.Chart) and block.detail}
     blocks = [{"kind": "figures", "figures": figures}] if figures else []
-    blocks += [_block(block, shown, before) for block in part.blocks if block not in polars and block not in details.values()]
+    for block in part.blocks:
+        if block not in polars and block not in details.values():
+            drawn = _block(block, shown, before)
+            if small and block.name == "bearings_at_peak":
+                drawn["curves"] = [packed(small[row[0]][shown.keys], row[0]) if row[0] in small else "" for row in drawn["rows"]]
+            blocks.append(drawn)
     if polars:
         blocks.append({"kind": "bearings", "bearings": [_bearing(polar, details, shown, before) for polar in polars]})
     else:

@@ -292,16 +292,39 @@ function barChart(parent, { title, unit, places, bars, before, across, note, sta
   plotted(plot, traces, layout);
 }
 
-function table(parent, { title, heads, rows, words, note }) {
+function smallCurve(cell, values, name) {  // the shape of a curve, with the cursor; a click shows it large
+  const [width, height] = [132, 24], along = over.map(x => width * (x - over[0]) / (over.at(-1) - over[0] || 1)), most = largestOf(values) || 1;
+  const image = document.createElementNS(SVG, "svg"), line = document.createElementNS(SVG, "polyline"), cursor = document.createElementNS(SVG, "line");
+  for (const [key, value] of Object.entries({ width, height, viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" })) image.setAttribute(key, value);
+  line.setAttribute("points", Array.from(values, (value, k) => `${along[k].toFixed(1)},${(height - 1 - (height - 3) * value / most).toFixed(1)}`).join(" "));
+  for (const y of ["y1", "y2"]) cursor.setAttribute(y, y === "y1" ? 0 : height);
+  image.append(line, cursor);
+  cell.append(image);
+  listeners.push(() => { const x = width * (number(over) - over[0]) / (over.at(-1) - over[0] || 1); cursor.setAttribute("x1", x); cursor.setAttribute("x2", x); });
+  cell.addEventListener("click", () => {
+    const choice = element("bearing"), option = [...choice.options].find(({ textContent }) => textContent === name);
+    if (!option) return;
+    choice.value = option.value;
+    choice.dispatchEvent(new Event("change"));
+    choice.scrollIntoView({ block: "start" });
+  });
+}
+
+function table(parent, { title, heads, rows, words, note, curves }) {
   const box = make("section", parent, { className: "chart table" });
   if (title) make("h3", box, { textContent: title });
   const grid = make("table", box), head = make("tr", make("thead", grid)), body = make("tbody", grid);
   const cell = (tag, row, text, i) => make(tag, row, { textContent: brief(text.replace(/^-/, "\u2212"), 80), title: text, className: i < words ? "words" : "" });
   heads.forEach((text, i) => cell("th", head, text, i));
-  for (const cells of rows) {
+  if (curves) head.children[0].after(make("th", head, { className: "small", textContent: `${say("over the")} ${report.over.quantity}` }));
+  rows.forEach((cells, k) => {
     const row = make("tr", body);
     cells.forEach((text, i) => cell("td", row, text, i));
-  }
+    if (!curves) return;
+    const small = make("td", row, { className: "small" });
+    row.children[0].after(small);
+    if (curves[k]) smallCurve(small, floats(curves[k]), cells[0]);
+  });
   if (note) make("p", box, { className: "remark", textContent: note });
 }
 
