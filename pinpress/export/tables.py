@@ -17,6 +17,7 @@ is the equation of motion, with an inertia J of flywheel and drive at the driver
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -50,7 +51,7 @@ LOCKED = 0.01  # share of the driver's range before a lock that is left out, as 
 FIRST_PANELS = 4  # of a turn, before they are halved
 HALVINGS = 10  # most of these; with more a function has a jump
 EXPONENTS = POWERS.astype(float)  # with whole numbers NumPy takes longer
-PARTS, FEWER = 8, 8  # of a panel of 14 terms each eighth is as exact with 8 terms
+PARTS, FEWER = 64, 5  # of a panel of 14 terms each 64th is as exact with 5 terms
 PLACES = np.array([-0.93, -0.41, 0.13, 0.69])  # between the nodes of a panel, where the table is compared with the engine
 TRUSTED = 1e-7  # error from which on something in the press is not as the functions have it
 
@@ -223,17 +224,23 @@ class PressTable(Tabular):
             added_inertia: inertia of flywheel and drive at the driver [kg m2 or kg].
 
         Raises:
-            PinpressError: the driver does not reach the position.
+            PinpressError: the driver does not reach the position; a number is not finite; no mass resists the torque.
         """
-        panel, _, x = self._equation.panel_of(self._local(angle))
-        standing = inertia = square = damping = reach = 0.0
-        for g, u, v, d, p in self._falling[panel]:
-            standing = standing * x + g
+        edges, middles, rows = self._equation
+        place = self._local(angle)
+        part = min(bisect_right(edges, place), len(middles)) - 1
+        x, square = place - middles[part], speed * speed
+        opposed = inertia = 0.0
+        for g, u, v, d, p in rows[part]:
+            opposed = opposed * x + (g + v * square + d * speed + p * force)
             inertia = inertia * x + u
-            square = square * x + v
-            damping = damping * x + d
-            reach = reach * x + p
-        return (torque - standing - speed * (square * speed + damping) - reach * force) / (inertia + added_inertia)
+        moved, surplus = inertia + added_inertia, torque - opposed
+        if not (moved > 0.0 and math.isfinite(surplus)):
+            raise PinpressError(
+                f"{self.press_name} has no acceleration at {self.coordinate.at(angle)}: give finite speed, torque and force, and an added_inertia"
+                " where its links have no mass"
+            )
+        return surplus / moved
 
     def _at_several(self, angle: Values, speed: Values, acceleration: Values, inputs: Mapping[str, Values]) -> TableState:
         given = [angle, speed, acceleration, *(inputs.get(name, 0.0) for name in self.inputs)]
@@ -290,23 +297,22 @@ class PressTable(Tabular):
         return [np.ascontiguousarray(panel.T) for panel in self.functions.coefficients]
 
     @cached_property
-    def _equation(self) -> Panels:
-        """The terms g, u, v, d and the first p of the driving torque, on finer panels of fewer terms: one number takes less time so."""
-        torque = self.term_of("driving_torque")[:, : FORCES + 1]
-        rows = np.zeros((len(torque), FORCES + 1, torque.shape[2]))
-        rows[:, : torque.shape[1]] = torque
-        nodes = np.polynomial.chebyshev.chebpts1(FEWER)
-        places = -1.0 + (2.0 * np.arange(PARTS)[:, None] + 1.0 + nodes) / PARTS
-        refit = np.linalg.inv(np.vander(nodes, increasing=True)) @ (places[..., None] ** POWERS)  # (parts, fewer, q)
-        finer = np.einsum("kfq,prq->pkrf", refit, rows).reshape(-1, FORCES + 1, FEWER)
-        borders = self.functions.borders
-        starts = borders[:-1, None] + np.diff(borders)[:, None] * np.arange(PARTS) / PARTS
-        return Panels(np.append(starts, borders[-1]), finer, self.functions.period)
+    def _equation(self) -> tuple[list[float], list[float], list[list[tuple[float, ...]]]]:
+        """The terms g, u, v, d and the first p of the driving torque as falling powers of the distance from the middle of parts of panels.
 
-    @cached_property
-    def _falling(self) -> list[list[tuple[float, ...]]]:
-        """Falling coefficients of all rows of the `_equation`, by panels."""
-        return [list(map(tuple, panel.T[::-1].tolist())) for panel in self._equation.coefficients]
+        One number takes less time on many parts with few powers. These are edges and middles of the parts, and for each part its powers.
+        """
+        torque = self.term_of("driving_torque")[:, : FORCES + 1]
+        terms = np.zeros((len(torque), FORCES + 1, len(POWERS)))
+        terms[:, : torque.shape[1]] = torque
+        nodes, borders = np.polynomial.chebyshev.chebpts1(FEWER), self.functions.borders
+        places = -1.0 + (2.0 * np.arange(PARTS)[:, None] + 1.0 + nodes) / PARTS
+        refit = np.linalg.inv(np.vander(nodes)) @ (places[..., None] ** POWERS)  # (parts, fewer, q)
+        edges = np.append(borders[:-1, None] + np.diff(borders)[:, None] * np.arange(PARTS) / PARTS, borders[-1])
+        half = 0.5 * np.diff(edges)
+        by_part = np.einsum("kfq,ptq->pkft", refit, terms).reshape(len(half), FEWER, FORCES + 1)
+        rows = by_part / half[:, None, None] ** np.arange(FEWER)[::-1, None]
+        return edges.tolist(), (edges[:-1] + half).tolist(), [list(map(tuple, each)) for each in rows.tolist()]
 
     def term_of(self, component: str) -> Array:
         """(p, terms, q) coefficients of the functions of a component, of rising powers."""
