@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     job = open_job(options)
     bearings = () if options.no_bearings else options.bearing
     loads = {name: load for name, load in job.loads.items() if stands(load)}
-    table = tabulate(job.press, bearings, [*loads.values()], tolerance=options.tolerance)
+    table = tabulate(job.press, bearings, [*loads.values()], tolerance=options.tolerance, friction=job.friction, stiffness=job.stiffness)
     name = Path(options.file).stem if options.file not in presses() else options.file
     out: Path = options.out or Path(name).with_suffix(ENDINGS[options.to])
     written: tuple[Path, ...]
@@ -69,6 +69,8 @@ def run(options: argparse.Namespace) -> int:
     print(table)
     if left := [each for each in job.loads if each not in loads]:
         print(f"\nleft outside, as forces that the program gives: {', '.join(left)}")
+    if job.elastic is not None:
+        print("\nthe table is of the rigid press, without elastic")
     sizes = ", ".join(f"{path} ({path.stat().st_size / 1e3:.0f} kB)" for path in written)
     print(f"\nwrote {sizes}")
     return 0

@@ -4,10 +4,10 @@ At a crank angle every reaction, and every rate of the slide, is exactly
 
     R = g + u a + v w^2 + d w + p1 P1 + ...
 
-with the driver's acceleration a and speed w, and forces P on the links. Weights, springs and constant loads are in g, dampers in d. The
-functions g, u, v, d and p are smooth. They are found from the engine itself, as differences of states, and kept as polynomials, panel by
-panel (`simulation.panels`). Of the driving torque u is the reduced inertia, v half its slope, and p of the process force the slide's
-slope with the sign changed, so that
+with the driver's acceleration a and speed w, and forces P on the links. Weights, springs and constant loads are in g, dampers and viscous
+friction in d. The functions g, u, v, d and p are smooth. They are found from the engine itself, as differences of states, and kept as
+polynomials, panel by panel (`dynamics.panels`). Of the driving torque u is the reduced inertia, v half its slope, and p of the process
+force the slide's slope with the sign changed, so that
 
     a = (torque - g - v w^2 - d w - p P) / (u + J)
 
@@ -32,13 +32,14 @@ from ..common.frozen import NamedArrays
 from ..common.quantities import GRAVITY, Array, DriverCoordinate, Values
 from ..common.results import Tabular
 from ..common.tables import Columns
-from ..dynamics.inputs import of_loads, of_press, stated
-from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.inputs import inputs as inputs_in_words
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..dynamics.panels import POWERS, Panels, last_terms, resolve
+from ..dynamics.reactions import Reactions
 from ..kinematics.cycle import motion_through_change_points
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
-from ..loads.link import LinkLoad, Load, PointForce, PointMoment, SpringDamper, TorsionSpring, is_constant
+from ..loads.link import Friction, LinkLoad, Load, PointForce, PointMoment, SpringDamper, TorsionSpring, is_constant
 from ..loads.pneumatics import BalanceCylinder
 from ..loads.process import TimeForce
 from ..simulation.reduced_model import reduced_model_of
@@ -237,8 +238,8 @@ class PressTable(Tabular):
         moved, surplus = inertia + added_inertia, torque - opposed
         if not (moved > 0.0 and math.isfinite(surplus)):
             raise PinpressError(
-                f"{self.press_name} has no acceleration at {self.coordinate.at(angle)}: give finite speed, torque and force, and an added_inertia"
-                " where its links have no mass"
+                f"{self.press_name} has no acceleration at {self.coordinate.at(angle)}: give finite speed, torque and force, and an"
+                " added_inertia where its links have no mass"
             )
         return surplus / moved
 
@@ -333,11 +334,12 @@ def tabulate(
     loads: Sequence[Load] = (),
     inputs: Mapping[str, Input | None] | None = None,
     tolerance: float = 1e-9,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    stiffness: Mapping[str, float] = NONE_GIVEN,
 ) -> PressTable:
     """Tabulate a press with one driver: its slide, driving torque, shaking force and bearing forces as functions of the driver's position.
 
-    Where redundant bearings share a force, they share it as `inverse_dynamics` does by default. Of a crank that does not turn fully the
-    table has the range to 1 % before each lock.
+    Of a crank that does not turn fully the table has the range to 1 % before each lock.
 
     Args:
         press: the press.
@@ -349,19 +351,21 @@ def tabulate(
             working stroke where it is positive. By default ``{"force": None}`` for a press with a slide.
         tolerance: share of the largest value of a quantity that the table may miss, from 1e-13 to 1e-3. It is mostly a thousand times more
             accurate: see `PressTable.error`.
+        friction: viscous friction of bearings and guides, by their names.
+        stiffness: stiffnesses by which redundant bearings share their forces, as in `inverse_dynamics` [N/m].
 
     Raises:
-        PinpressError: several drivers; a change point; teeth or threads that rub, or push gears apart; a slide that does not come back
-            after a period; a load that depends on time, or on the speed otherwise than as a damper; an input that is no constant force;
-            a press whose forces are not as the functions have them.
+        PinpressError: several drivers; a change point; dry friction; teeth or threads that rub, or push gears apart; a slide that does not
+            come back after a period; a load that depends on time, or on the speed otherwise than as a damper; an input that is no constant
+            force; a press whose forces are not as the functions have them.
         UnknownNameError: a bearing or link that the press does not have.
     """
     share = float(
         suitable_numbers("tolerance", tolerance, "a number from 1e-13 to 1e-3", suits=lambda value: (value >= 1e-13) & (value <= 1e-3))
     )
-    _refuse(press, loads)
+    _refuse(press, loads, friction)
     units = _checked_inputs(press, inputs)
-    sampler = _Sampler.of(press, None if bearings is None else tuple(bearings), tuple(loads), units)
+    sampler = _Sampler.of(press, None if bearings is None else tuple(bearings), tuple(loads), friction, stiffness, units)
     model = reduced_model_of(press)
     if model.gains.any():
         raise PinpressError(f"{press.name} does not come back after a period, as its slide is on a screw or a rack: it cannot be tabulated")
@@ -373,7 +377,7 @@ def tabulate(
         kept = np.pad(by_term[:, :, live], ((0, 0), (0, 0), (0, 1), (0, 0)))
         table = PressTable(
             press_name=press.name,
-            origin=(*of_press(press), *of_loads(list(loads)), stated()),
+            origin=tuple(row for row in inputs_in_words(sampler.still(bearings=())) if row[0] != "motion"),
             coordinate=press.driver_coordinates[0],
             inputs=tuple(units),
             bearings=sampler.bearings,
@@ -393,7 +397,7 @@ def stands(load: Load) -> bool:
     return isinstance(load, SpringDamper | TorsionSpring | BalanceCylinder) or is_constant(load)
 
 
-def _refuse(press: Linkage, loads: Sequence[Load]) -> None:
+def _refuse(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Friction]) -> None:
     """Raise PinpressError where reactions are no linear functions as above."""
     press.refuse_several_drivers("a table has one driver; simulate it in Python, or hold the other drivers")
     if press.uneven:
@@ -405,6 +409,11 @@ def _refuse(press: Linkage, loads: Sequence[Load]) -> None:
     if points := press.branch_through_change_points.change_points:
         places = ", ".join(press.driver_coordinates[0].at(each.angle) for each in points)
         raise PinpressError(f"{press.name} has a change point at {places}, where forces have no bounds: it cannot be tabulated")
+    if dry := [name for name, each in friction.items() if each.coefficient or each.preload]:
+        raise PinpressError(
+            f"{press.name} has dry friction in {', '.join(dry)}, which depends on the size of forces and on the way: leave out its"
+            " coefficient and preload to tabulate it"
+        )
     for load in loads:
         if not stands(load):
             given = load.label if isinstance(load, LinkLoad) else type(load).__name__
@@ -445,6 +454,8 @@ class _Sampler:
         bearings: names of its bearings in the table.
         shaking: whether the table has the shaking force.
         loads: loads in the functions g and d.
+        friction: viscous friction, in d.
+        stiffness: of redundant bearings.
         inputs: see `tabulate`.
         amplitudes: of the terms: 1, acceleration, speed^2, speed, forces. The size of each term at its amplitude is far above that of g.
     """
@@ -453,20 +464,33 @@ class _Sampler:
     bearings: tuple[str, ...]
     shaking: bool
     loads: tuple[Load, ...]
+    friction: Mapping[str, Friction]
+    stiffness: Mapping[str, float]
     inputs: Mapping[str, Input | None]
     amplitudes: Array
 
     @classmethod
-    def of(cls, press: Linkage, bearings: tuple[str, ...] | None, loads: tuple[Load, ...], inputs: Mapping[str, Input | None]) -> _Sampler:
+    def of(
+        cls,
+        press: Linkage,
+        bearings: tuple[str, ...] | None,
+        loads: tuple[Load, ...],
+        friction: Mapping[str, Friction],
+        stiffness: Mapping[str, float],
+        inputs: Mapping[str, Input | None],
+    ) -> _Sampler:
         size = press.size
         length = size if press.driver_coordinates[0].turns else 1.0
         mass = sum(inertia.mass for inertia in list(press.model.inertias)[1:])
         square, force = AMPLE * GRAVITY * size / length**2, AMPLE * GRAVITY * max(mass, 1.0)
         sizes = [1.0, AMPLE * GRAVITY / length, square, math.sqrt(square)]
         forces = [force * (size if isinstance(unit, PointMoment) else 1.0) for unit in inputs.values()]
-        first = cls(press, (), True, loads, inputs, np.array(sizes + forces))
-        named = inverse_dynamics(press, first._motion(np.zeros(1), 0.0, 0.0), bearings=bearings).bearing_force
-        return replace(first, bearings=tuple(named), shaking=bearings != ())
+        first = cls(press, (), bearings != (), loads, friction, stiffness, inputs, np.array(sizes + forces))
+        return replace(first, bearings=tuple(first.still(bearings).bearing_force))
+
+    def still(self, bearings: tuple[str, ...] | None) -> Reactions:
+        """The press at rest where its driver is drawn."""
+        return self._reactions(self._motion(np.zeros(1), 0.0, 0.0), [], bearings)
 
     @cached_property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -504,11 +528,14 @@ class _Sampler:
         """(components, n) in n states; ``forces``: (inputs, n)."""
         motion = self._motion(angle, speed, acceleration)
         acting = [_acting(unit, force) for unit, force in zip(self.inputs.values(), forces, strict=True)]
-        reactions = inverse_dynamics(self.press, motion, [*self.loads, *acting], bearings=self.bearings)
+        reactions = self._reactions(motion, acting, self.bearings)
         slide = [motion.slide_position, motion.slide_velocity, motion.slide_acceleration] if self.press.slide is not None else []
         vectors = [reactions.shaking_force, reactions.shaking_moment] if self.shaking else []
         vectors += [*reactions.bearing_force.values(), *reactions.bearing_moment.values()]
         return np.concatenate([np.reshape([*slide, reactions.driving_torque], (-1, len(angle))), *(each.T for each in vectors)])
+
+    def _reactions(self, motion: Motion, acting: Sequence[Load], bearings: tuple[str, ...] | None) -> Reactions:
+        return inverse_dynamics(self.press, motion, [*self.loads, *acting], self.friction, self.stiffness, bearings=bearings)
 
     def _motion(self, angle: Array, speed: Array | float, acceleration: Array | float) -> Motion:
         return motion_through_change_points(self.press, angle, speed, acceleration, np.arange(len(angle), dtype=float))

@@ -8,6 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from support import texts
+from support.exploring import examples
 from support.generators import random_linkages
 from support.presses import two_servos
 from support.sampling import rest_exhaustive
@@ -31,10 +32,10 @@ def states_of(table, rng, turns=3):
     return rng.uniform(low, high, STATES) + away, fastest * rng.uniform(-1, 1, STATES), 5 * fastest * rng.uniform(-1, 1, STATES)
 
 
-def reference(press, states, loads=()):
+def reference(press, states, *given):
     angle, speed, acceleration = states
     motion = pp.servo_cycle(press, angle, speed=speed, acceleration=acceleration)
-    return motion, pp.inverse_dynamics(press, motion, loads)
+    return motion, pp.inverse_dynamics(press, motion, *given)
 
 
 def pushed(press, force):
@@ -84,6 +85,7 @@ def test_a_table_is_the_engine(name):
     assert one.bearing_force[table.bearings[0]].shape == (3,)
 
 
+@examples(30)
 @given(random_linkages.linkages(most=3), st.integers(0, 99))
 def test_random_linkages(tmp_path_factory, spec, seed):
     drawing = random_linkages.drawn(spec)
@@ -95,7 +97,7 @@ def test_random_linkages(tmp_path_factory, spec, seed):
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "rssp", "toggle", "pirica_double_knuckle"])
 def test_identities_of_the_functions(name):
-    """Of the torque the term of the squared speed is half the slope of the inertia, that of a force along the slide's axis minus its slope."""
+    """Of the torque the term of the squared speed is half the slope of the inertia, that of a force on the slide minus its slope."""
     table = pp.export.tabulate(press_named(name), tolerance=1e-12)
     half = 0.5 * np.diff(table.functions.borders)[:, None]
     _, inertia, square, damping, reach = np.moveaxis(table.term_of("driving_torque"), 1, 0)
@@ -129,11 +131,14 @@ def test_the_equation_of_motion_gives_the_run_of_simulate():
     assert alike.driving_torque == pytest.approx(torque, rel=1e-9)
 
 
-def test_springs_dampers_and_several_inputs():
+def test_springs_dampers_viscous_friction_and_several_inputs():
     press = texts.shipped("crank_slide")
+    oil = {"P": pp.loads.Friction(viscous=80.0), "slide_guide": pp.loads.Friction(viscous=2e3)}
     spring, damper = pp.loads.SpringDamper("frame", "slide", 1e5, damping=3e3), pp.loads.PointForce("rod", (300.0, 0.0, -200.0))
     off = pp.loads.PointForce("slide", (0.0, 0.0, 1.0), (0.1, 0.0, 0.0))
-    table = pp.export.tabulate(press, loads=[spring, damper], inputs={"left": off, "twist": pp.loads.PointMoment("rod", (0.0, 1.0, 0.0))})
+    table = pp.export.tabulate(
+        press, loads=[spring, damper], inputs={"left": off, "twist": pp.loads.PointMoment("rod", (0.0, 1.0, 0.0))}, friction=oil
+    )
     rng = np.random.default_rng(2)
     states, (left, twist) = states_of(table, rng), rng.uniform(-1e5, 1e5, (2, STATES))
     acting = [
@@ -142,12 +147,24 @@ def test_springs_dampers_and_several_inputs():
         pp.loads.PointForce("slide", np.multiply.outer(left, [0.0, 0.0, 1.0]), (0.1, 0.0, 0.0)),
         pp.loads.PointMoment("rod", np.multiply.outer(twist, [0.0, 1.0, 0.0])),
     ]
-    _, wanted = reference(press, states, acting)
+    _, wanted = reference(press, states, acting, oil)
     found = table.at(*states, left=left, twist=twist)
     assert found.driving_torque == pytest.approx(wanted.driving_torque, rel=1e-10, abs=1e-10 * np.abs(wanted.driving_torque).max())
     for name in table.bearings:
         theirs = wanted.bearing_force[name]
         assert np.abs(found.bearing_force[name] - theirs).max() <= 1e-10 * np.abs(theirs).max()
+
+
+def test_redundant_bearings_share_by_their_stiffness():
+    press, rng = texts.shipped("jf75g_125_symmetric"), np.random.default_rng(6)
+    soft = dict.fromkeys(press.bearings[::2], 1e8)
+    table = pp.export.tabulate(press, stiffness=soft)
+    states = states_of(table, rng)
+    _, wanted = reference(press, states, (), {}, soft)
+    found = table.at(*states)
+    for name, theirs in wanted.bearing_force.items():
+        assert np.abs(found.bearing_force[name] - theirs).max() < 1e-11 * np.abs(wanted.bearing_force["P5_right"]).max()
+    assert "stiffness" in dict(table.origin)
 
 
 def test_a_rocking_crank_and_a_copy():
@@ -173,6 +190,11 @@ def tabulated(name="crank_slide", **options):
 REFUSED = [
     (lambda: tabulated("hypocycloid"), "has teeth or threads that rub or push apart in 'ring'.*leave out"),
     (lambda: tabulated("screw"), "rub or push apart in 'thread'"),
+    (
+        lambda: tabulated(friction={"P": pp.loads.Friction(0.1, 0.05), "O": pp.loads.Friction(viscous=2.0)}),
+        "crank_slide has dry friction in P, which depends on the size of forces.*leave out its coefficient",
+    ),
+    (lambda: TABLE.acceleration(0.1, np.nan, 0.0), "crank_slide has no acceleration at .*give finite speed, torque and force"),
     (lambda: tabulated(loads=[pp.loads.Blanking(1e5, 0.006, 0.002)]), "Blanking is no function of the driver's position.*as an input"),
     (lambda: tabulated(inputs={"1st": None}), "input '1st' is no name"),
     (lambda: tabulated(inputs={"a": pp.loads.Blanking(1e5, 0.006, 0.002)}), "give a PointForce of 1 N"),
