@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..common.tables import cell, fitted
 from ..export.c_source import c_code
 from ..export.fmi import fmu
 from ..export.m_file import matlab
@@ -66,7 +67,9 @@ def run(options: argparse.Namespace) -> int:
         written = (fmu(table, out, compiler=options.compiler, platform=options.platform),)
     else:
         written = (matlab(table, out),)
-    print(table)
+    columns = table.columns()
+    rows = [list(columns), *([cell(value) for value in row] for row in zip(*columns.values(), strict=True))]
+    print("\n".join([table.title, "", *fitted(rows)]))
     if left := [each for each in job.loads if each not in loads]:
         print(f"\nleft outside, as forces that the program gives: {', '.join(left)}")
     if job.elastic is not None:
