@@ -37,6 +37,7 @@ MAKERS = {
     "ElasticRun": "simulate or steady_state with elastic=",
     "CampbellDiagram": "elasticity.campbell",
     "PressRatings": "rate",
+    "PressTable": "export.tabulate",
     "WorkPrecision": "accuracy.compare",
     "IdentifiedPress": "measured.identify",
     "IdentifiableParameters": "measured.identifiability",

@@ -81,9 +81,10 @@ def fmu(table: PressTable, path: str | os.PathLike[str], *, compiler: str | None
     if target.suffix != ".fmu":
         raise PinpressError(f"path is {target}: give a name that ends in .fmu")
     known = [f"{system}{bits}" for system in ENDINGS for bits in (32, 64)]
-    named = platform or f"{HOSTS.get(sys.platform, sys.platform)}{64 if sys.maxsize > 2**32 else 32}"
-    if platform is not None and platform not in known:
+    if platform is not None and not (isinstance(platform, str) and platform in known):
         raise PinpressError(f"platform is {shown(platform)}: give {', '.join(known)}")
+    named = platform or f"{HOSTS.get(sys.platform, sys.platform)}{64 if sys.maxsize > 2**32 else 32}"
+    command = _command(compiler)
     identifier = re.sub(r"[^A-Za-z0-9_]", "_", target.stem)
     identifier = identifier if re.match("[A-Za-z]", identifier) else f"press_{identifier}"
     code = code_of(table, STEM)
@@ -99,7 +100,6 @@ def fmu(table: PressTable, path: str | os.PathLike[str], *, compiler: str | None
     content = {"modelDescription.xml": _description(table, identifier, guid, values, start)}
     content |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     if compiler is not None:
-        command = shlex.split(compiler)
         if command and shutil.which(command[0]):
             ending = next(ending for system, ending in ENDINGS.items() if named.startswith(system)) if named in known else ".so"
             content[f"binaries/{named}/{identifier}{ending}"] = _compiled(command, sources)
@@ -113,6 +113,14 @@ def fmu(table: PressTable, path: str | os.PathLike[str], *, compiler: str | None
         for name, each in content.items():
             packed.writestr(zipfile.ZipInfo(name, STAMP), each, zipfile.ZIP_DEFLATED)
     return files.write(target, archive.getvalue())
+
+
+def _command(compiler: str | None) -> list[str]:
+    """The words of a compiler's command."""
+    try:
+        return [] if compiler is None else shlex.split(compiler)
+    except (ValueError, AttributeError) as error:  # quotation marks that do not end; no text
+        raise PinpressError(f"compiler is {shown(compiler)}: give a command, such as 'cc', or None ({error})") from None
 
 
 def _compiled(command: Sequence[str], sources: dict[str, str]) -> bytes:

@@ -202,15 +202,19 @@ class PressTable(Tabular):
             PinpressError: the driver does not reach a position; a number is not finite.
             UnknownNameError: an input that the table does not have.
         """
-        weights: list[Any] = [1.0, acceleration, speed * speed, speed, *(inputs.get(name, 0.0) for name in self.inputs)]
         for name in inputs:
             if name not in self.inputs:
                 raise UnknownNameError("input", name, self.inputs)
-        if not isinstance(angle, float) or not isinstance(size := sum(weights, angle), float):
+        try:
+            weights: list[Any] = [1.0, acceleration, speed * speed, speed, *(inputs.get(name, 0.0) for name in self.inputs)]
+            size = sum(weights, angle)
+        except TypeError:  # of lists
+            size = None
+        if not isinstance(size, float):
             return self._at_several(angle, speed, acceleration, inputs)
         if not math.isfinite(size):
             raise PinpressError(f"the state of {self.press_name} is not finite: give finite angle, speed, acceleration and inputs")
-        panel, _, x = self.functions.panel_of(self._local(angle))
+        panel, _, x = self.functions.panel_of(self._local(float(angle)))
         rows = np.dot(x**EXPONENTS, self._by_panel[panel])
         return TableState(self, np.dot(weights, rows.reshape(len(weights), -1)))
 
@@ -250,7 +254,12 @@ class PressTable(Tabular):
         except ValueError:
             shapes = ", ".join(str(np.shape(each)) for each in given)
             raise PinpressError(f"angle, speed, acceleration and inputs have shapes {shapes}: give one number or (n,) each") from None
-        angles, speeds, accelerations, *forces = suitable_numbers("the state", columns, "finite numbers, one or (n,) each", (None, None))
+        several = [np.atleast_1d(each) for each in columns]
+        angles, speeds, accelerations, *forces = suitable_numbers("the state", several, "finite numbers, one or (n,) each", (None, None))
+        if columns[0].ndim == 0:  # numbers that are no floats
+            return self.at(
+                angles.item(), speeds.item(), accelerations.item(), **{n: p.item() for n, p in zip(self.inputs, forces, strict=True)}
+            )
         weights = np.array([np.ones(len(angles)), accelerations, speeds**2, speeds, *forces])
         local = np.array([self._local(each) for each in angles.tolist()])
         rows = self.functions.at(local, derivative=False)[0].reshape(len(weights), -1, len(local))
@@ -365,7 +374,7 @@ def tabulate(
     )
     _refuse(press, loads, friction)
     units = _checked_inputs(press, inputs)
-    sampler = _Sampler.of(press, None if bearings is None else tuple(bearings), tuple(loads), friction, stiffness, units)
+    sampler = _Sampler.of(press, bearings, tuple(loads), friction, stiffness, units)
     model = reduced_model_of(press)
     if model.gains.any():
         raise PinpressError(f"{press.name} does not come back after a period, as its slide is on a screw or a rack: it cannot be tabulated")
@@ -409,7 +418,7 @@ def _refuse(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Fricti
     if points := press.branch_through_change_points.change_points:
         places = ", ".join(press.driver_coordinates[0].at(each.angle) for each in points)
         raise PinpressError(f"{press.name} has a change point at {places}, where forces have no bounds: it cannot be tabulated")
-    if dry := [name for name, each in friction.items() if each.coefficient or each.preload]:
+    if dry := [name for name, each in friction.items() if isinstance(each, Friction) and (each.coefficient or each.preload)]:
         raise PinpressError(
             f"{press.name} has dry friction in {', '.join(dry)}, which depends on the size of forces and on the way: leave out its"
             " coefficient and preload to tabulate it"
@@ -473,7 +482,7 @@ class _Sampler:
     def of(
         cls,
         press: Linkage,
-        bearings: tuple[str, ...] | None,
+        bearings: Collection[str] | None,
         loads: tuple[Load, ...],
         friction: Mapping[str, Friction],
         stiffness: Mapping[str, float],
@@ -485,10 +494,11 @@ class _Sampler:
         square, force = AMPLE * GRAVITY * size / length**2, AMPLE * GRAVITY * max(mass, 1.0)
         sizes = [1.0, AMPLE * GRAVITY / length, square, math.sqrt(square)]
         forces = [force * (size if isinstance(unit, PointMoment) else 1.0) for unit in inputs.values()]
-        first = cls(press, (), bearings != (), loads, friction, stiffness, inputs, np.array(sizes + forces))
-        return replace(first, bearings=tuple(first.still(bearings).bearing_force))
+        first = cls(press, (), False, loads, friction, stiffness, inputs, np.array(sizes + forces))
+        named = tuple(first.still(bearings).bearing_force)
+        return replace(first, bearings=named, shaking=bool(named))
 
-    def still(self, bearings: tuple[str, ...] | None) -> Reactions:
+    def still(self, bearings: Collection[str] | None) -> Reactions:
         """The press at rest where its driver is drawn."""
         return self._reactions(self._motion(np.zeros(1), 0.0, 0.0), [], bearings)
 
@@ -534,7 +544,7 @@ class _Sampler:
         vectors += [*reactions.bearing_force.values(), *reactions.bearing_moment.values()]
         return np.concatenate([np.reshape([*slide, reactions.driving_torque], (-1, len(angle))), *(each.T for each in vectors)])
 
-    def _reactions(self, motion: Motion, acting: Sequence[Load], bearings: tuple[str, ...] | None) -> Reactions:
+    def _reactions(self, motion: Motion, acting: Sequence[Load], bearings: Collection[str] | None) -> Reactions:
         return inverse_dynamics(self.press, motion, [*self.loads, *acting], self.friction, self.stiffness, bearings=bearings)
 
     def _motion(self, angle: Array, speed: Array | float, acceleration: Array | float) -> Motion:

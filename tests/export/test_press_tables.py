@@ -82,6 +82,9 @@ def test_a_table_is_the_engine(name):
     one = table.at(float(angle[0]), float(speed[0]), float(acceleration[0]), force=2e5)
     assert one.values == pytest.approx(table.at(angle, speed, acceleration, force=2e5).values[:, 0], rel=1e-12, abs=1e-9)
     assert isinstance(one.driving_torque, float)
+    whole, single, several = table.at(0, 2), table.at(np.float32(0), 2.0), table.at([0.0, 0.1], 2)
+    assert whole.driving_torque == single.driving_torque == table.at(0.0, 2.0).driving_torque
+    assert several.driving_torque[0] == pytest.approx(whole.driving_torque, rel=1e-12)
     assert one.bearing_force[table.bearings[0]].shape == (3,)
 
 
