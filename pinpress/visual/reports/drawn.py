@@ -23,7 +23,7 @@ from ..pages import packed
 from .shown import Shown, refuse_others
 
 DIGITS = 5  # digits of numbers on a page
-MOST_CURVES = 5  # of a chart of all bearings
+STRIPS = ("height", "torque", "driving_force", "process")  # charts that a page shows first, low and one below the other
 SAME = 1e-6  # rounding errors may put an angle beyond its period by this share of a period
 
 Follows = Literal["frames", "position", "height", "time", "nothing"]
@@ -64,18 +64,18 @@ def section(part: described.Section, shown: Shown, before: Shown | None = None, 
     """
     figures = [figure(each) for each in part.figures if headlines or not each.kind]
     polars = [block for block in part.blocks if isinstance(block, described.Polar)]
-    # more than five curves in one chart tell nothing: the table of the bearings has a small one in each row, and their peaks as numbers
+    # the table of the bearings has a curve in each row, and their peaks as numbers: one chart of all would not tell them apart
     sizes = next((block for block in part.blocks if isinstance(block, described.Chart) and block.name == "bearings"), None)
-    if polars and sizes is not None and len(sizes.curves) > MOST_CURVES:
-        small = {curve.name: curve.y for curve in sizes.curves}
+    small = {} if sizes is None or not polars else {curve.name: curve.y for curve in sizes.curves}
+    if small:
         part = replace(part, blocks=[block for block in part.blocks if block.name not in ("bearings", "peaks")])
-    else:
-        small = {}
     details = {block.name: block for block in part.blocks if isinstance(block, described.Chart) and block.detail}
     blocks = [{"kind": "figures", "figures": figures}] if figures else []
     for block in part.blocks:
         if block not in polars and block not in details.values():
             drawn = _block(block, shown, before)
+            if block.name in STRIPS and not headlines and drawn.get("follows") == "frames":
+                drawn["strip"] = True
             if small and block.name == "bearings_at_peak":
                 drawn["curves"] = [packed(small[row[0]][shown.keys], row[0]) if row[0] in small else "" for row in drawn["rows"]]
             blocks.append(drawn)

@@ -16,10 +16,10 @@ const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").rep
 const MODE = over.length > 1 ? "lines" : "markers";
 const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) + "…" : text;
 
-function xAxis({ across, follows, reach }, x) {
-  const title = across || `${report.over.quantity} [${report.over.unit}]`, axis = { ...AXIS, title: { text: asText(title), standoff: 6 } }, way = x.at(-1) - x[0];
+function xAxis({ across, follows, reach, bare }, x) {
+  const title = across || `${report.over.quantity} [${report.over.unit}]`, axis = { ...AXIS, title: { text: bare ? "" : asText(title), standoff: 6 } }, way = x.at(-1) - x[0];
   if (way && (follows === "frames" || (follows === "position" && way < 0))) axis.range = [x[0], x.at(-1)];  // backwards too time runs to the right
-  if (title.endsWith("[deg]") && Math.abs(way) >= 180) axis.dtick = 45 * Math.ceil(Math.abs(way) / 360 - 0.01);
+  if (title.endsWith("[deg]") && Math.abs(way) >= 180) axis.dtick = 90 * Math.ceil(Math.abs(way) / 360 - 0.01);
   if (reach) axis.range = reach;
   return axis;
 }
@@ -109,10 +109,11 @@ function lineChart(parent, chart) {
   if (chart.logarithmic) logarithmicAxis(yaxis, unpacked.map(({ y }) => y));
   const xaxis = xAxis(chart, unpacked[0].x);
   if (chart.logarithmic === "xy") logarithmicAxis(xaxis, unpacked.map(({ x }) => x));
-  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" || chart.square ? "closest" : "x unified", xaxis, yaxis, ...marksOf(chart) };
+  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: chart.bare ? 20 : 38 }, hovermode: chart.follows === "height" || chart.square ? "closest" : "x unified", xaxis, yaxis, ...marksOf(chart) };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
   if (chart.square) plot.style.height = "24rem";
+  if (chart.strip) plot.style.height = chart.bare ? "116px" : "134px";  // the last one has the names of the places
   box.append(plot);
   if (chart.note) make("p", box, { className: "remark", textContent: chart.note });
   plotted(plot, traces, layout);
@@ -400,7 +401,11 @@ function drawReport() {
   if (report.header) titleBlock(article, report.header);
   element("subtitle").textContent = report.subtitle;
   if (report.figures.length) verdict(article, report);
-  for (const { title, note, blocks } of report.sections) {
+  const low = report.sections.flatMap(({ blocks }) => blocks.filter(({ strip }) => strip)), strips = make("div", article, { className: "strips" });
+  low.forEach((chart, i) => lineChart(strips, { ...chart, bare: i < low.length - 1 }));
+  for (const { title, note, blocks: all } of report.sections) {
+    const blocks = all.filter(({ strip }) => !strip);
+    if (!blocks.length) continue;
     make("h2", article, { textContent: title });
     if (note) make("p", article, { className: "remark", textContent: note });
     for (const block of blocks) BLOCKS[block.kind](article, block);
