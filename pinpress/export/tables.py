@@ -208,7 +208,7 @@ class PressTable(Tabular):
         try:
             weights: list[Any] = [1.0, acceleration, speed * speed, speed, *(inputs.get(name, 0.0) for name in self.inputs)]
             size = sum(weights, angle)
-        except TypeError:  # of lists
+        except (TypeError, ValueError):  # of lists, of arrays of several shapes
             size = None
         if not isinstance(size, float):
             return self._at_several(angle, speed, acceleration, inputs)
