@@ -240,6 +240,11 @@ def test_before_and_after_backwards(press: Any, result: Any, view: Callable[...,
         assert_allclose(curve["y"][:-1], states.shaking_force[:, 0] / 1e3, atol=1e-4)
         assert_allclose(curve["x"], np.linspace(0, -360, len(states.motion.time) + 1), atol=1e-3)
     assert len(curves["Polar diagram, world axes [kN]"]) == 2
+    heads = [head.inner_text() for head in page.locator(".verdict thead th").all()]
+    assert heads[1:4] == ["zxn2_3000b", "here", "change"]
+    torque = [cell.inner_text() for cell in page.locator(".verdict tr", has_text="largest torque").locator("th, td").all()]
+    then, now = (float(text.replace("\u2212", "-").split()[0]) for text in torque[1:3])
+    assert float(torque[3].replace("\u2212", "-").removesuffix(" %")) == pytest.approx(100 * (now / then - 1), abs=0.06)
     assert "dashed: zxn2_3000b, crank at −70 r/min" in page.inner_text("#subtitle")
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     row = next(row for row in rows if row[0] == "shaking force, x [kN]")

@@ -153,6 +153,7 @@ def _content(
         "figures": _verdict([*shown.sections, *more], [] if before is None else before.sections),
         "over": {"quantity": abscissa.name, "unit": {"rad": "deg", "m": "mm"}.get(abscissa.quantity, abscissa.quantity)},
         "before": None if before is None else packed(before.along, "before"),
+        "dashed": "" if before is None else before_name or before.press.name,
         "heights": None if heights is None else packed(heights, "height"),
         "period": shown.period,
         "sections": drawn,

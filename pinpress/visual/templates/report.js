@@ -349,7 +349,11 @@ function figures(parent, { figures }) {  // in rows of nearly equal numbers, eac
 
 function verdict(parent, { figures }) {  // what is looked for first: value, share of its limit, where; beside another press its value and the change
   const box = make("section", parent, { className: "chart table verdict", ariaLabel: say("Summary") }), body = make("tbody", make("table", box));
-  const compared = figures.some(({ before }) => before), signed = text => text.replace(/(^| )-(?=\d)/g, "$1\u2212");
+  const compared = report.dashed, signed = text => text.replace(/(^| )-(?=\d)/g, "$1\u2212");
+  if (compared) {
+    const heads = make("tr", make("thead", box.firstChild));
+    for (const text of ["", compared, say("here"), say("change"), "", ""]) make("th", heads, { textContent: brief(text, 24) });
+  }
   for (const { name, value, at, use, before, change } of figures) {
     const row = make("tr", body), bar = use === undefined ? "" : `${Math.round(100 * use)} %`;
     make("th", row, { textContent: name, scope: "row", className: "words" });
