@@ -83,7 +83,6 @@ def check_change(press, link, engine):
         assert np.abs(moment).max() <= 1e-11 * size * force, bearing
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ["auto", "pinocchio"])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_masses_change_the_forces_of_planar_linkages(planar, seed, engine):
@@ -91,7 +90,6 @@ def test_masses_change_the_forces_of_planar_linkages(planar, seed, engine):
         check_change(planar(seed), link, engine)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("text", "link"),
     [(bennett(), "link2"), (four_bar("revolute"), "back"), (four_bar("revolute", "table"), "crank"), (cassie.urdf(), "left-foot-crank")],
@@ -228,7 +226,6 @@ def test_no_masses_beat_the_bound_in_space():
         balance(press, motion, regions=[CounterweightRegion("link2", radius=0.1)], minimise=Rms("shaking_force"))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["jf75g_125", "thin_wall", "jf75g_125_plain"])
 @pytest.mark.parametrize("criterion", [Range("shaking_force", "z"), Rms("driving_torque"), Peak("bearing_force", bearing="slide_guide")])
 def test_shipped_presses_are_proved_to_rounding(name, criterion):
@@ -275,7 +272,6 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
     np.testing.assert_allclose(found, np.where(felt, best.x, 0.0), atol=1e-2)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("points", [36, 360])
 def test_what_a_criterion_is_larger_by_between_the_states_is_said(points):
     """The proof is that of the states; a load begins between them, and with eight times as many the range is larger."""

@@ -111,7 +111,6 @@ TWO = {"crank": 0.1428, "rod": 0.0456}  # the paper's links and radii
 BEFORE = by_hand.ranges(by_hand.shaking_force())
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("radii", "weights", "most", "still"),
     [

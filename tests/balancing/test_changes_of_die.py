@@ -48,7 +48,6 @@ def values(press, cases, criterion, weights):
     )
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("shares", [None, (1.0, 2.0, 5.0)])
 @pytest.mark.parametrize("criterion", [Z, X, TORQUE], ids=lambda each: each.words)
 def test_the_worst_and_the_mean_are_those_of_brute_force(plain, criterion, shares):
@@ -119,7 +118,6 @@ def least(convex):
     return min(values)
 
 
-@pytest.mark.one_in(6)
 @pytest.mark.parametrize(
     "region",
     [

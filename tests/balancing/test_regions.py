@@ -30,7 +30,6 @@ def balanced(six_bar, turn, region, criterion=TORQUE, most=200.0):
     return balance(six_bar, turn, regions=[region], minimise=criterion, limits={MASS: most})
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("link", ["crank", "coupler", "rocker", "rod"])
 @pytest.mark.parametrize("gyration", [0.0, 0.15])
 @pytest.mark.parametrize("criterion", [TORQUE, HEAVY], ids=lambda m: m.words)

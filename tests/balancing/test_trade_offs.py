@@ -82,7 +82,6 @@ def dies(points=36):
     return found
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("reset", ["", "mass"])
 def test_several_conditions_against_all_masses_on_a_grid(reset):
     """One mass opposite to the crank pin, the same for both dies or set anew: none on a grid beats the curve or its bound."""

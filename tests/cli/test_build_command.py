@@ -108,7 +108,6 @@ def test_a_report_shows_the_table_as_it_is_beside_other_values(folder):
     assert position[-4:-2] == ["180.00", "200.00"]  # of the crank's radius of 90 and 100 mm
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_every_template_builds(folder, capsys, name):
     assert main(["new", "press.yml", "--template", name]) == 0
@@ -117,7 +116,6 @@ def test_every_template_builds(folder, capsys, name):
     assert (folder / "out.svg").read_text(encoding="utf-8").startswith("<svg")
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

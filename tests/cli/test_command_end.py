@@ -28,7 +28,6 @@ def run(command, *arguments, **more):
     return subprocess.run([sys.executable, *COMMANDS[command], *arguments], env=environment, stderr=subprocess.PIPE, text=True, **more)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("arguments", [["check", "crank_slide"], ["--help"]], ids=" ".join)
 def test_output_that_cannot_be_written(arguments):
     with open("/dev/full", "w") as full:
@@ -59,7 +58,6 @@ def test_files_are_written_for_nobody_too(tmp_path, unbuffered):
     assert {file.name for file in (tmp_path / "out").iterdir()} == {"cycle.csv", "recording.html", "report.html"}
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("command", "module"),
     [

@@ -131,7 +131,6 @@ def test_numbers_of_a_bare_press(capsys: pytest.CaptureFixture[str]) -> None:
     assert row.split() == ["slide_guide", "0", "-", "-", "0", "0", "0"]  # which carries nothing: rounding is no number
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("zero", "words"), [("tdc", "top dead centre"), ("bdc", "bottom dead centre")])
 def test_crank_angles_count_from_a_dead_centre(folder: Path, capsys: pytest.CaptureFixture[str], zero: str, words: str) -> None:
     text = printed(capsys, "analyse", "zxn2_3000b", "--speed", "70r/min", "--set", f"zero={zero}", "--out", ".")
@@ -308,7 +307,6 @@ run: {duration: 20 ms, points: 12}
     assert "a press on springs stands on one rigid frame, without rotors" in one_line(capsys, "simulate", file(job.replace("run:", rotors)))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -17,7 +17,6 @@ def torque(press):
     return pp.inverse_dynamics(press, pp.cycle(press, speed=3.0, points=8)).driving_torque
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["press.urdf", "press.sdf", "press.xml", "press.urdf --home", "press.urdf --dialect urdf+"])
 def test_a_press_is_written_in_the_format_of_the_ending(name, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -55,7 +55,6 @@ SAVED = {
 }
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("how", SAVED)
 @pytest.mark.parametrize(
     ("text", "read"),

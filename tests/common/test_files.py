@@ -110,7 +110,6 @@ def test_pipes_and_devices_are_written_through(tmp_path):
         files.write("/dev/full", NEW)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", ["file", "pipe"])
 def test_output_is_written_through(tmp_path, kind):
     """After what was printed, also where the output was sent into a file, which stays the one that is open."""

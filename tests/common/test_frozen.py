@@ -101,7 +101,6 @@ def made(kind):
     return [value for value in every_result.made() if type(value) is kind]
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_copies_are_what_they_were(kind, way):
@@ -110,7 +109,6 @@ def test_copies_are_what_they_were(kind, way):
         same(value, WAYS[way](value), kind.__name__)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_in_reach_can_be_written(kind):
     for value in made(kind):
@@ -141,7 +139,6 @@ def press(request):
     return pp.load(request.param)
 
 
-@pytest.mark.one_in(2)
 def test_results_do_not_depend_on_what_was_computed_before(press):
     used = pp.load(press.name)
     pp.dead_centres(used)
@@ -151,7 +148,6 @@ def test_results_do_not_depend_on_what_was_computed_before(press):
     same(computed(used), computed(pp.load(press.name)))
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("start", ["fork", "spawn"])
 def test_other_processes_find_the_same(start):
     """A worker that gets the press, with what it has kept, and one that imports all anew."""

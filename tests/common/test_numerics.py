@@ -43,7 +43,6 @@ def test_running_sums_are_those_of_numpy_bit_by_bit(columns):
     np.testing.assert_array_equal(running_sums(0.0, steps)[1:], steps.cumsum(axis=0))
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("seed", range(20))
 def test_modes_that_are_damped_by_themselves_keep_their_ratios(seed):
     """Several creep; the slow rate of one and the fast one of another are no pair, though their order by size may say so."""
@@ -55,7 +54,6 @@ def test_modes_that_are_damped_by_themselves_keep_their_ratios(seed):
     np.testing.assert_allclose(found.frequency, swings, rtol=1e-7)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("seed", range(20))
 def test_coupled_modes_keep_sum_and_product_of_their_eigenvalues(seed):
     """The trace and the determinant of the system are those of its modes, whatever dampers join them."""

@@ -57,7 +57,6 @@ def scaled(text, length=1.0, mass=1.0, inertia=1.0, centre=1.0):
 # Linkages
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_shipped_presses_are_sensible(name):
     with warnings.catch_warnings():

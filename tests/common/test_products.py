@@ -13,7 +13,6 @@ from pinpress.common.products import product
 SCRIPT = Path(__file__).parents[1] / "support" / "threads_woken.py"
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("complex_rows", [False, True])
 @pytest.mark.parametrize("complex_columns", [False, True])
 @pytest.mark.parametrize(

@@ -75,7 +75,6 @@ def test_columns_have_one_length_and_names_of_their_own(result):
     assert all(isinstance(name, str) and name == name.strip() for name in columns)
 
 
-@pytest.mark.one_in(3)
 def test_csv(tmp_path, result):
     result.to_csv(tmp_path / "table.csv")
     with open(tmp_path / "table.csv", newline="", encoding="utf-8") as file:
@@ -87,7 +86,6 @@ def test_csv(tmp_path, result):
             assert word == "" if value is None else (float(word) == value if type(value) is float else word == str(value))
 
 
-@pytest.mark.one_in(3)
 def test_frame(result):
     frame, columns = result.to_frame(), result.columns()
     assert list(frame.columns) == list(columns)
@@ -95,7 +93,6 @@ def test_frame(result):
         assert all(map(same, frame[name].tolist(), plain(column)))
 
 
-@pytest.mark.one_in(4)
 def test_parquet(tmp_path, result):
     result.to_parquet(tmp_path / "table.parquet")
     read, columns = pyarrow.parquet.read_table(tmp_path / "table.parquet").to_pydict(), result.columns()
@@ -104,7 +101,6 @@ def test_parquet(tmp_path, result):
         assert all(map(same, read[name], plain(column)))
 
 
-@pytest.mark.one_in(4)
 def test_mat(tmp_path, result):
     result.to_mat(tmp_path / "table.mat")
     read = [values[:, 0] for name, values in loadmat(tmp_path / "table.mat").items() if not name.startswith("__")]
@@ -127,7 +123,6 @@ def test_printed(result):
     assert len(str(result).splitlines()) > 1 or type(result).__name__ in ("SnapThroughResponse", "DeflectedSlide")
 
 
-@pytest.mark.one_in(3)
 def test_shown_in_a_notebook(result):
     shown = ET.fromstring(result._repr_html_())
     table = shown if shown.tag == "table" else shown.find("table")
@@ -141,7 +136,6 @@ def test_shown_in_a_notebook(result):
     assert len(rows) == min(len(plain(next(iter(columns.values())))), 21)
 
 
-@pytest.mark.one_in(3)
 def test_main_curves_are_shown_as_pictures(result):
     names, charts = result._pictured, charts_of(result.described())
     assert set(names) <= set(result.columns())

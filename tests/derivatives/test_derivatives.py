@@ -149,7 +149,6 @@ def check_trials(press, motion, along, loads=()):
             check(derivative, differences, name)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", pp.presses())
 def test_reaction_derivatives_are_those_of_changed_presses(name):
     """With a constant force on a link."""

@@ -26,7 +26,6 @@ class Even(SpeedTorqueDrive):
         return self.mean * (1 - 0.05 * (speed - SPEED) / SPEED)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_work_is_that_of_loads_and_friction(speed):
     press = texts.shipped("zxn2_3000b")

@@ -160,7 +160,6 @@ def scaled(press, length, mass):
     return texts.load(text, gravity=tuple(press.model.gravity.linear * length))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # sizes and densities of no press
 @pytest.mark.parametrize(("length", "mass"), [(1e-6, 1.0), (1e3, 1e-3), (1.0, 1e6), (1e-6, 1e-18)])
 def test_scale(zxn2, length, mass, engine):

@@ -36,7 +36,6 @@ def pushed(press, force):
     return pp.loads.PointForce(press.slide, lambda motion: up, tuple(press.tool.point))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("efficiency", [1.0, 0.96])
 @pytest.mark.parametrize("limited", ["Q", "teeth", "O"])
 def test_a_rating_along_a_motion_is_reached(efficiency, limited):
@@ -50,7 +49,6 @@ def test_a_rating_along_a_motion_is_reached(efficiency, limited):
     np.testing.assert_allclose(np.linalg.norm(carried, axis=1)[governed], 2e4, rtol=1e-9)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("efficiency", "at_speed"), [(1.0, True), (0.96, False), pytest.param(0.96, True, marks=pytest.mark.exhaustive)])
 def test_a_rating_over_the_stroke_is_reached(efficiency, at_speed):
     press = machine_presses.geared(efficiency)

@@ -169,7 +169,6 @@ def arms(friction):
     return coulomb, {bearing: each.viscous for bearing, each in friction.items()}
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b"])
 @pytest.mark.parametrize("rubs", [False, True])
 def test_hand_script(name, rubs, engine):
@@ -191,7 +190,6 @@ def test_hand_script(name, rubs, engine):
         assert np.abs(rubbing[bearing] - smooth[bearing]).max() > 1e-3 * np.abs(smooth[bearing]).max(), bearing
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "preload"), [("crank_slide", 4e4), ("zxn2_3000b", 1.2e5)])
 def test_preloaded_gibs_by_hand(name, preload, engine):
     """In some states the preload rubs, in others the force across the guide: 1e-12 of the peaks, and every law."""
@@ -260,7 +258,6 @@ def light_crank_slide(along, radius=0.1, length=0.4):
     return drawing.urdf("O"), crank, end
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore:.*points down:pinpress.PinpressWarning")
 @pytest.mark.parametrize("along", [1j, -1j, 1 + 0j, np.exp(0.5j)], ids=["up", "down", "across", "slope"])
 @pytest.mark.parametrize("direction", [1, -1])
@@ -296,7 +293,6 @@ def test_a_slide_that_rubs_in_its_guide(along, direction, engine):
 # ---------------------------------------------------------------------------------------------------------------------------- signs
 
 
-@pytest.mark.one_in(2)
 def test_backwards_is_the_mirror_in_time(engine):
     """Coulomb friction: at the same angles, the mean torque changes its sign with the direction of the turn; forces differ by friction."""
     press = shipped("zxn2_3000b")
@@ -316,7 +312,6 @@ def test_backwards_is_the_mirror_in_time(engine):
         )
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b", "jf75g_125", "jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_all_laws_over_a_turn(name, engine):
     """With friction everywhere; and all that is lost is what the drive puts in more; 1e-12 of the peaks."""
@@ -332,7 +327,6 @@ def test_all_laws_over_a_turn(name, engine):
 # --------------------------------------------------------------------------------------------------------------------- dead centres, rest
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "angle",
     [[0.0], [np.pi], [-np.pi], [0.0, np.pi], [0.0, 1.0, np.pi], [-np.pi, 0.3, 3 * np.pi], [2 * np.pi]],
@@ -390,7 +384,6 @@ def test_a_pin_that_never_turns_does_not_rub(engine):
 # ---------------------------------------------------------------------------------------------------- forces that vanish, or are large
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("coefficient", [0.05, 0.3])
 @pytest.mark.parametrize("guide", ["slide_guide", "counterweight_guide"])
 def test_a_guide_without_a_force(guide, coefficient, engine):
@@ -401,7 +394,6 @@ def test_a_guide_without_a_force(guide, coefficient, engine):
     assert np.abs(result.driving_torque - bare.driving_torque).max() <= 1e-12 * np.abs(bare.driving_torque).max()
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("coefficient", [0.1, 1.0])
 def test_where_the_thrust_changes_sides(coefficient, engine):
     """The slide's guide is without a force at a crank angle: around it, to the last digit, friction is found as everywhere else."""
@@ -476,7 +468,6 @@ def text_of(name):
     return (texts | {"rack": lambda: wheels(("s1", "guide", 5.0, 0.01), ("rack", "s1", 0.1, 0.002))})[name]()
 
 
-@pytest.mark.one_in(9)
 @pytest.mark.parametrize(
     ("name", "engine"),
     [

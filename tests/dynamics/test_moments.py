@@ -88,7 +88,6 @@ MOMENTS = [
 ]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", ["reduced", "constraint", "implicit"])
 def test_runs(method):
     """Inverse dynamics of a run asks for the torque that its flywheel alone supplies."""

@@ -35,7 +35,6 @@ def any_state(press: pp.Linkage, rng: np.random.Generator) -> pp.Motion:
     return pp.servo_cycle(press, place, speed=speed, acceleration=acceleration)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 def test_free_accelerations_and_torques_of_random_trees_are_those_of_mujoco(seed, tmp_path):

@@ -99,7 +99,6 @@ def test_dead_centres(presses, name, engine):
     np.testing.assert_allclose(motion.crank_angle / SPEED, expected["t"], rtol=1e-12)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("key", "quantity", "sign"),
     [
@@ -123,7 +122,6 @@ def test_extremes(presses, key, quantity, sign, engine):
     assert (sign * turn).max() <= sign * value + 1e-12
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("press_name", BALANCED)
 @pytest.mark.parametrize("motion_name", ["turn", "backward", "servo"])
 def test_hand_script(presses, press_name, engine, motion_name):
@@ -167,7 +165,6 @@ def test_moments_of_the_hand_script(presses):
             assert np.abs(moment[name]).max() <= 1e-10 * peak
 
 
-@pytest.mark.one_in(3)
 def test_balancing_claims(presses, engine):
     """Range of the shaking force after balancing against before, Kong 2025: -47.42 % across, -2.741 % along the slide."""
     before, after = (

@@ -156,7 +156,6 @@ def test_efficiency_of_a_planetary_gear(engine):
     assert np.abs(found.power_residual).max() < 1e-14
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES[1:])  # redundant gears are no blocks of the plane
 @pytest.mark.parametrize("efficiencies", [(1.0, 1.0), (0.99, 0.985)])
 def test_one_planet_for_four_and_all_that_are_drawn(engine, efficiencies):
@@ -193,7 +192,6 @@ WITH_STIFFNESS = {
 }
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", WITH_STIFFNESS)
 def test_redundant_teeth_share_by_stiffness(kind):
     """Four planets whose weights load them unevenly; two geared cranks, whose idle force runs through teeth, rods and slide. Teeth have no

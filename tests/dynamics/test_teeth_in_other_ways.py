@@ -27,7 +27,6 @@ def reactions(name, press, engine="auto", same=PLAIN):
     return pp.inverse_dynamics(press, motion, loads, {press.driver: Friction(0.1, radius=0.02)}, engine=engine)
 
 
-@pytest.mark.one_in(6)
 @pytest.mark.parametrize("way", same_linkage.WAYS)
 @pytest.mark.parametrize("name", RUBBING)
 @pytest.mark.filterwarnings("ignore:load on '.*wheel'")  # it is on the wheel's axis, and stands still
@@ -38,7 +37,6 @@ def test_another_way_to_write_it_has_the_same_forces(name, way):
     assert worst_force(press, first, other, same) < SAME
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", RUBBING)
 @pytest.mark.filterwarnings("ignore:load on 'wheel'")
 def test_every_engine_has_the_same_forces(name):

@@ -43,7 +43,6 @@ def by_load(press, loads=(DRAWING,), engine="auto"):
     return added[:, 1], motion.crank_angle - pp.dead_centres(press).bottom_angle, loaded.process_force
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("angle", [-90, -40, 100])
 @pytest.mark.parametrize("first", ["Y1 Y2", "M Y1 Y2", "Y2 Y1"])
 def test_a_scotch_yoke_carries_the_moment_of_its_crank_alone(angle, first, engine):

@@ -88,7 +88,6 @@ def solved(zeta, tau, gap, end):
     return lowest, peak, state
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("zeta", "tau", "gap"), [(0.0, 0.0, 3e-4), (0.05, 0.0, 1e-3), (0.03, 0.4, 2e-4), (0.0, 0.8, 1e-3), (0.1, 1.7, 1e-4), (0.02, 2.6, 5e-5)]
 )

@@ -54,7 +54,6 @@ def test_crank_slide_by_hand():
     assert sum(found.bottom_shares.values()) == pytest.approx(1.0, rel=1e-14)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_castigliano(name):
     """The deflection is the derivative of the elastic energy, a quadratic of the force on the slide: central differences are exact."""

@@ -39,7 +39,6 @@ def test_crank_slide_at_bottom_dead_centre_by_hand():
     np.testing.assert_allclose(found.at_rigid_angle, [by_hand(1, 0), by_hand(1, 400.0)], rtol=1e-9)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "speed"), [("zxn2_3000b", 7.3), ("jf75g_125", 42.0), ("jf75g_125_two_point", 60.0), ("thin_wall", 9.0)])
 def test_bottom_dead_centre_by_brute_force(name, speed):
     press = texts.shipped(name)

@@ -77,7 +77,6 @@ def test_the_drawn_pose_is_the_published_one(press):
     assert "plane" in press.engines
 
 
-@pytest.mark.one_in(2)
 def test_first_accelerations_and_multipliers(press, simulated, method):
     run = simulated(method, 0.03)
     result = pp.inverse_dynamics(press, run, loads=[spring()])
@@ -110,7 +109,6 @@ def test_pins_f_and_e(press, simulated, method, time):
         assert abs(point - complex(*expected)) < 0.035 * 16 * CLOSE[method][0]
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize(("when", "state"), [(0, 0), (1, -1)])
 @pytest.mark.parametrize("bearing", andrews.PINS)
 def test_pin_forces(press, simulated, method, bearing, when, state):

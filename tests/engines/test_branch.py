@@ -56,7 +56,6 @@ def test_the_false_assembly_exists(zxn2, engine):
     assert np.isfinite(closure.first).all()
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("engine", "points"), [*(("plane", n) for n in (8, 9, 37, 360, 100_000)), *(("pinocchio", n) for n in (8, 9, 37, 360))]
 )
@@ -187,7 +186,6 @@ def test_a_crank_a_little_shorter_than_its_rod_goes_round(shorter):
     assert np.abs(motion.slide_position + r * np.cos(angle) + np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)).max() < 1e-11
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("longer", [1e-3, 1e-6])
 def test_a_crank_a_little_longer_than_its_rod_locks(longer):
     """Just before 90 degrees, to 1e-6 rad."""
@@ -195,7 +193,6 @@ def test_a_crank_a_little_longer_than_its_rod_locks(longer):
     assert locked(press, speed=1.0) == pytest.approx(np.arcsin(1 / (1 + longer)), abs=1e-6)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("degrees", [20, 60, 90, 100, 135])
 def test_a_parallelogram_is_refused_at_its_change_points(degrees):
     """Its links lie in a line at 0 and at 180 degrees from the frame's line, where it could go on as a crossed four-bar."""
@@ -208,7 +205,6 @@ def test_a_parallelogram_is_refused_at_its_change_points(degrees):
     np.testing.assert_allclose(motion.v[:, press.joints.index("B")], -1.0, rtol=1e-9)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_double_rocker_locks_both_ways(side):
     """The driven rocker turns between the angles at which coupler and other rocker lie in a line, stretched and folded: law of cosines."""
@@ -257,7 +253,6 @@ def test_a_drag_link_goes_round(bounded):
         assert abs((rocker[-1] - rocker[0]) - 34) < 2 * np.pi
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("seed", "nodes"), [(4, 560), (25, 950)])
 def test_links_that_turn_fast_are_followed(engine, seed, nodes):
     """Far from any singularity, but the coupler turns many times as fast as the crank; near one, in shorter steps."""
@@ -271,7 +266,6 @@ def test_links_that_turn_fast_are_followed(engine, seed, nodes):
     assert turned < 0.15
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("ratio", "turns"), [(-1.0, 1), (-0.5, 2), (0.6, 5)])
 def test_period_of_a_geared_linkage(ratio, turns):
     """Both cranks are back only after as many turns as their ratio says."""
@@ -391,7 +385,6 @@ def tangent():
     return drawing.urdf("O")
 
 
-@pytest.mark.one_in(3)
 def test_a_slide_that_moves_beyond_all_bounds_is_followed_far(engine):
     """Towards a right angle its guides become parallel: the linkage locks there, and is exact before it."""
     press = texts.load(tangent())

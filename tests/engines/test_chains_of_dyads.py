@@ -174,7 +174,6 @@ def judged(press, motion, loads=()):
     return found
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_of_dyad(kind):
     drawing, driver, dyads = KINDS[kind]
@@ -187,7 +186,6 @@ def test_every_kind_of_dyad(kind):
     assert np.abs(result.power_residual).max() <= 1e-12
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["drawn", "eccentric_blocks", "jf75g_125_symmetric", "jf75g_125_two_point", "pirica_double_knuckle"])
 @pytest.mark.filterwarnings("ignore:.*apart as drawn")
 def test_gears_and_levers(name):
@@ -271,7 +269,6 @@ def driven_on_a_swing(slides=False):
     return drawing
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("slides", [False, True])
 def test_forces_of_what_is_closed_on_a_link_that_moves(slides):
     """The blocks are closed one after the other, but their absolute angles follow only together; Pinocchio judges."""

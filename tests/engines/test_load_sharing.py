@@ -185,7 +185,6 @@ def test_only_ratios_of_stiffnesses_count(name, engine):
         assert np.abs(one.bearing_force[bearing] - two.bearing_force[bearing]).max() <= 1e-12 * peak
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["two_point", "symmetric", "three_held_rods", "geared_cranks", "chain"])
 def test_a_stiffness_of_any_one_bearing(name):
     """Its force is the least that idle forces can make it, then the rest. Where they hardly reach it, as a shaft that is geared to the
@@ -199,7 +198,6 @@ def test_a_stiffness_of_any_one_bearing(name):
             assert max(errors(press, result, [state])) <= 100 * np.finfo(float).eps / state.least, (bearing, engine)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "bearing"),
     [

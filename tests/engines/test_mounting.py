@@ -43,7 +43,6 @@ def test_every_open_pose_is_closed(mechanism, begin, by):
     assert engine.gaps(np.array([pose.position for pose in poses]).T).max() <= 1e-9 * structure.size
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("by", [0.2, pytest.param(0.1, marks=pytest.mark.exhaustive)])
 @pytest.mark.parametrize("begin", BEGINS)
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda each: each.name)

@@ -37,7 +37,6 @@ def exact(count, times):
     return solved.y
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", BOUNDS)
 @pytest.mark.parametrize("count", [1, 2])
 def test_ten_seconds(count, method):
@@ -49,7 +48,6 @@ def test_ten_seconds(count, method):
     assert run.stats.closure_error < ROUNDING
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_closed_at_singular_poses(count):
     """Beside a pose with all rods in one line the loops do not say where the rods are: joints come from polynomials through poses on both

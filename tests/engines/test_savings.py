@@ -163,7 +163,6 @@ OTHERS = {
 }
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("make", OTHERS.values(), ids=OTHERS)
 def test_linkages_of_the_other_engine(make):
     press = make()

@@ -231,7 +231,6 @@ def run(scene, units):
     )
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("scene", SCENES)
 def test_runs(scene):
     units = UNITS[-1]

@@ -84,7 +84,6 @@ def walked(press, path):
     return np.array(found).T
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("height", "path"),
     [

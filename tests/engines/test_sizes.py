@@ -41,7 +41,6 @@ def test_a_row_of_links_with_ties_is_one_linkage_however_its_tree_is_written():
     np.testing.assert_allclose(short.driving_torque, long.driving_torque, rtol=0, atol=1e-12 * np.abs(long.driving_torque).max())
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [*pp.presses(), "geared"])
 def test_gaps_as_drawn_are_those_of_the_pinocchio_engine(name):
     press = large_linkages.load(large_linkages.gear_train(3)) if name == "geared" else texts.shipped(name)

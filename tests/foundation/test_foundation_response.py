@@ -219,7 +219,6 @@ def nonlinear_and_linear(name, speed, scale, count=2, states=240):
     return Floating(system, motion).displacement(np.array(POINTS["top"])), linear
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("name", "speed"), [("jf75g_125_plain", 35.0), ("zxn2_3000b", 8.0)])
 def test_linear_model_differs_by_second_order_from_the_full_equations(name, speed):
     """A frame and mounts ten times as heavy and stiff vibrate a tenth; what the linear model leaves out (inertia that changes over the

@@ -208,7 +208,6 @@ def test_nodes_are_in_the_unit_of_their_header(monkeypatch, tmp_path):
             read(tmp_path, text)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("old", "new", "line", "element", "said"),
     [

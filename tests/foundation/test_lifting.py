@@ -109,7 +109,6 @@ def test_free_flight_and_landing():
     np.testing.assert_allclose(total[time > np.pi / 30.0 + 1e-3], total[-1], rtol=1e-8)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("lossy", [False, True])
 def test_where_no_foot_lifts_it_is_the_linear_response(lossy):
     """Over a run that of `time_response` to rounding; over a period that in which it ends, every stroke the same, and without loss factors

@@ -71,7 +71,6 @@ WRONG: list[tuple[str, str, str, bool]] = [
 ]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("old", "new", "said", "_"), WRONG, ids=[f"{old} -> {new}"[:60] for old, new, *_ in WRONG])
 def test_a_mistake_is_refused_in_one_line(old: str, new: str, said: str, _: bool, tmp_path: Path) -> None:
     assert TEXT.count(old) == 1
@@ -87,7 +86,6 @@ def test_a_mistake_is_refused_in_one_line(old: str, new: str, said: str, _: bool
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("old", "new", "said", "only_check"), WRONG, ids=[f"{old} -> {new}"[:60] for old, new, *_ in WRONG])
 def test_editors_mark_what_a_schema_can_know(old: str, new: str, said: str, only_check: bool) -> None:
     try:
@@ -146,7 +144,6 @@ CALLS: list[tuple[str, dict, str]] = [
 ]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("_", "given", "said"), CALLS, ids=[name for name, *_ in CALLS])
 def test_a_change_that_changes_nothing_is_refused(_: str, given: dict, said: str) -> None:
     with pytest.raises(pp.PinpressError, match=re.escape(said)):

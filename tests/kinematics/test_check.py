@@ -228,7 +228,6 @@ def test_redundancy_in_the_plane_names_what_takes_part(check):
     assert further == "2 equations are redundant in the plane, of loop 'W', loop 'V'"
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("text", [SYMMETRIC, TWICE], ids=["symmetric", "twice"])
 def test_loops_that_share_are_those_with_indeterminate_forces(check, tmp_path, text):
     """By the rank of the equations in the engine, over a turn: forces in the plane."""

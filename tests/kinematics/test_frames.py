@@ -36,7 +36,6 @@ def case(request):
     return press, frame or press.links[-1], positions if len(press.drivers) > 1 else positions[:, 0]
 
 
-@pytest.mark.one_in(3)
 def test_jacobians_are_differences_of_placements(case):
     press, frame, positions = case
     jacobian, placed = press.jacobian(frame, positions), press.placements(frame, positions)

@@ -143,7 +143,6 @@ def near(values, expected, tolerance, peak=None):
 # ------------------------------------------------------------------------------------------------------------------------ all of them
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_kinematics_equal_the_reference(name, engine):
     """Height above bottom dead centre, speed and acceleration at 300 r/min: 1e-12 of the peak, of the height 1e-12 of the rod: rounding."""
@@ -170,7 +169,6 @@ def test_slide_and_counterweight_in_closed_form(name, engine):
         near(motion.a[:, guide], counterweight.acceleration(motion).imag, 1e-12)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", PRESSES)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_torque_is_that_of_the_reduced_equation(name, motion, engine):
@@ -222,7 +220,6 @@ def extremes(press, speed, engine, curve):
     return found
 
 
-@pytest.mark.one_in(9)
 @pytest.mark.parametrize("rpm", ["300", "400"])
 @pytest.mark.parametrize("name", SHAKING)
 def test_extremes_of_the_shaking_force_and_moment_equal_the_reference(name, rpm, engine):
@@ -268,7 +265,6 @@ def mirrored(vectors):
     return vectors * [-1.0, 1.0, 1.0]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_symmetric_press_neither_shakes_sideways_nor_tilts(motion, engine):
     """Lateral force and moment about y, gravity included, of the vertical force. 1e-12: rounding; the opposed press has 1e-3 and more. Both
@@ -281,7 +277,6 @@ def test_symmetric_press_neither_shakes_sideways_nor_tilts(motion, engine):
             assert least * peak <= np.abs(values).max() <= most * peak
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("side", SIDES)
 def test_either_side_of_the_symmetric_press_carries_half(side, engine):
     """Rods and shafts as those of an opposed press of half the masses, on the right in the mirror, though the left shaft drives alone."""
@@ -301,7 +296,6 @@ def test_guides_of_the_symmetric_press_carry_nothing(engine):
         assert np.abs(result.bearing_moment[guide]).max() <= 1e-12 * peak * A
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_gear_pair_carries_half_of_the_torque(motion, engine):
     """What the right half needs, half of the whole; the right shaft turns against the left one, so it is negative on both."""
@@ -312,7 +306,6 @@ def test_gear_pair_carries_half_of_the_torque(motion, engine):
         near(-result.bearing_moment[f"O_{side}"][:, 1], torque, 1e-12)
 
 
-@pytest.mark.one_in(2)
 def test_what_the_sides_of_the_symmetric_press_share_is_flagged(engine):
     """Idle forces run along the rods: they reach pins and shafts, load the gears, press sideways on the guides and turn them."""
     flags = solved(load("jf75g_125_symmetric"), engine, "turn").indeterminate
@@ -368,7 +361,6 @@ def moment_about_the_middle(bearing, expected):
     return sum(np.cross([0.0, y, 0.0], expected[f"{bearing}_{point}"]) for point, y in POINTS.items())
 
 
-@pytest.mark.one_in(5)
 def test_two_points_together_carry_what_one_does(two_point, load_case):
     """In sum, and in the other bearings, the forces of the opposed press, whatever the stiffnesses."""
     main, auxiliary = forces(MAIN, two_point.motion, LOADS[load_case][0]), forces(AUXILIARY, two_point.motion)
@@ -382,7 +374,6 @@ def test_two_points_together_carry_what_one_does(two_point, load_case):
         near(found[bearing], space(force), 1e-12, peak=main.shaft)
 
 
-@pytest.mark.one_in(5)
 def test_two_points_share_by_stiffness(two_point, stiffness, load_case):
     """Along the rods as their stiffnesses, equally where none is given. The shaft holds the crank against the rods about x and z, the guide
     holds the slide against the rods and a load beside the middle plane."""

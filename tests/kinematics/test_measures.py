@@ -139,7 +139,6 @@ def test_the_quintics_miss_the_path_by_the_sixth_power_of_the_step():
     assert missed(360) < 1e-14  # 10 times rounding
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("measure", ALL)
 def test_every_measure_converges_with_the_states(measure):
     """Worst of three first states. Speeds are missed by the fifth power of the step, 4^5 = 1024 from 45 to 180 points; 4^4 leaves room for

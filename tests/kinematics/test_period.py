@@ -150,7 +150,6 @@ def test_extremes_and_peaks(press):
     np.testing.assert_allclose(1e3 * slide.slide_position, [some["slide position"].largest, some["slide position"].smallest], rtol=1e-12)
 
 
-@pytest.mark.one_in(2)
 def test_the_summary_says_where(press, name):
     for way in (1.0, -1.0):
         motion = pp.cycle(press, way * SPEED)
@@ -256,7 +255,6 @@ def largest(press, item, speed=SPEED):
     return peak(np.linalg.norm(result.bearing_force[item.removeprefix("bearing ")], axis=1))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("item", ["torque", "slide acceleration", "bearing O", "bearing guide"])
 def test_speed_limit(name, press, item):
     """The capacity is what the item comes to at some speed, in whatever turn: that speed is found."""

@@ -328,7 +328,6 @@ def test_commands(press, name, tmp_path, capsys):
     assert len(data_in(tmp_path / "press.html")["time"]) == 360 * TURNS[name] + 1
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("degrees", "speed", "name", "time"),
     [(400, 60, "crank_slide", 1 / 9), (400, 60, "half", 10 / 9), (-10, 60, "third", 3 - 1 / 36), (-400, -120, "half", 5 / 9)],

@@ -132,7 +132,6 @@ def test_slot():
     assert not pp.measures.grashof(press)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("lengths", "kind", "shortest"),
     [

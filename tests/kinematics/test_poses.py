@@ -15,7 +15,6 @@ def press(request):
     return texts.load(bennett()) if request.param == "bennett" else texts.shipped(request.param)
 
 
-@pytest.mark.one_in(4)
 def test_against_pinocchio(press):
     motion = pp.cycle(press, speed=7.0, points=17)
     at, data = poses(press, motion.joint_position), press.model.createData()

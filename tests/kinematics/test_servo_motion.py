@@ -89,7 +89,6 @@ def start_of(whole, part):
     return start | ({"speed": whole["speed"][0]} if part == "acceleration" else {})
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("times", [even, uneven])
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("part", PARTS)
@@ -105,7 +104,6 @@ def test_what_is_missing_converges_with_the_order_that_is_said(press, part, moti
         assert coarse > 2 ** (order - (0.4 if times is even else 1.0)) * fine or fine < 1e-12
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("states", [32, 33])
 @pytest.mark.parametrize("repeated", [False, True])

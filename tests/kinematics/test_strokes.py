@@ -73,7 +73,6 @@ def worked(text, words):
     return re.search(rf"  work of the process +{re.escape(number)} {unit} +{re.escape(words)}", text) is not None
 
 
-@pytest.mark.one_in(8)
 @pytest.mark.parametrize("gain", GAINS)
 def test_a_geared_crank(tmp_path, gain):
     """What a crank does that turns faster than its driver is what it does at its own speed: independent of the strokes of a turn."""

@@ -99,7 +99,6 @@ def test_bodies(press):
     assert set(press.bearings) == {"A", "C", "slot", "D", "slide_guide", "B", "E"}
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["th3", "w3", "a3", "th4", "w4", "a4", "s3", "ds3", "dds3", "x", "v", "a"])
 def test_kinematics_equal_the_reference(press, engine, name):
     """At every row, 1e-12 of the peak: both sides close to rounding."""
@@ -107,7 +106,6 @@ def test_kinematics_equal_the_reference(press, engine, name):
     assert np.abs(values - expected).max() <= 1e-12 * np.abs(expected).max()
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["A", "B", "C", "D", "E"])
 def test_pin_forces_equal_the_reference(press, engine, name):
     """At every row, 1e-13 of the peak; a pin turns freely, so only the drive's torque is a moment."""
@@ -167,7 +165,6 @@ def test_stroke_and_dead_centres(press, engine):
     assert np.abs(motion.slide_velocity).max() <= 1e-14  # the last digit of the angle moves the ram by that
 
 
-@pytest.mark.one_in(2)
 def test_turn_backwards(press, engine):
     """The same configurations and loads as forwards, rates reversed: 1e-12 of the peak, after a whole turn the other way."""
     forward, backward = (pp.cycle(press, speed, points=90, engine=engine) for speed in (SPEED, -SPEED))
@@ -184,7 +181,6 @@ def test_turn_backwards(press, engine):
     assert np.abs(here - there[mirrored]).max() <= 1e-12 * np.abs(there).max()
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 def test_power_balance(press, engine, speed):
     """With a drawing force on the ram: 1e-12 of the flow at every angle, and over the turn the drive gives what the force takes."""

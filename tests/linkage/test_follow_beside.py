@@ -30,7 +30,6 @@ def moved(press: Any, pivots: Any) -> Any:
     return pp.derivatives.reshaped(press, {key: 0.2 * np.array(at) + 0.8 * places[key] for key, at in pivots.items()})
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", LONGER)
 def test_it_is_the_walked_one(name: str) -> None:
     press = texts.shipped(name)

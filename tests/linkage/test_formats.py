@@ -192,7 +192,6 @@ DIALECT_REFUSED = [
 ]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("loop", "message"), DIALECT_REFUSED)
 def test_loops_that_cannot_be_read_are_refused_by_name_and_line(loop, message):
     text = crank_slide("\n" + loop)

@@ -234,7 +234,6 @@ def cut_rod(shares, seed, off=0.0):
     return kept + "".join(parts) + '<transmission name="t"><joint name="O"/></transmission></robot>'
 
 
-@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize(("seed", "wrong"), [(0, 0.0), (1, 0.0), (2, 0.0), (4, 0.0), (1, 1e-7), (5, 0.0), (2, 1e-5), (5, 1e-4), (3, 0.0)])
 def test_a_rod_in_pieces_moves_like_one_in_one_piece(seed, wrong):
@@ -249,7 +248,6 @@ def test_a_rod_in_pieces_moves_like_one_in_one_piece(seed, wrong):
     np.testing.assert_allclose(*torques, rtol=0, atol=max(1e-9, 3 * wrong) * np.abs(torques[1]).max())
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("off", "kind"), [(0.0, "spin"), (0.5e-6, "spin"), (2e-6, "swing"), (0.02, "swing")])
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 def test_a_swing_is_a_spin_whose_centre_of_mass_is_off_the_line(off, kind):
@@ -311,7 +309,6 @@ def robot(number, **options):
     return pp.load(case.path, **{"driver": None} | options)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize(
     ("number", "options", "motors", "found"),

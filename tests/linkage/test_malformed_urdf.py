@@ -27,7 +27,6 @@ def written(file, text):
     return file
 
 
-@pytest.mark.one_in(13)
 @pytest.mark.parametrize(("text", "error", "element", "line", "problem"), CORPUS)
 def test_malformed(file, capfd, text, error, element, line, problem):
     written(file, text)

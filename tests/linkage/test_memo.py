@@ -58,7 +58,6 @@ ASKED: dict[str, Callable[[pp.Linkage, pp.Motion], object]] = {
 }
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_model_changed_in_place_is_refused_by_all(change):
     press = pp.load("crank_slide")
@@ -83,7 +82,6 @@ def test_what_follows_later_from_a_changed_model_is_refused_too():
         _ = result.power_residual
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_press_of_a_changed_copy_is_that_of_a_press_never_used(change):
     press, fresh = pp.load("crank_slide"), pp.load("crank_slide")
@@ -101,7 +99,6 @@ def test_a_press_of_a_changed_copy_is_that_of_a_press_never_used(change):
 WAYS = [copy.copy, copy.deepcopy, lambda press: pickle.loads(pickle.dumps(press))]
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("again", [*WAYS, dataclasses.replace])
 def test_copies_answer_alike_and_notice_a_change_of_their_own(again):
     """What was worked out travels with a copy, read-only."""

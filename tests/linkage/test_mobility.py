@@ -13,7 +13,6 @@ from pinpress.linkage.checks import mobility
 THIRD_SHAFT = PENDULUM.replace("</joint>", '<mimic joint="G" multiplier="3"/></joint>')
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "text",
     [*(texts.shipped(name).text.decode() for name in pp.presses()), with_element(THIRD_SHAFT)],

@@ -264,7 +264,6 @@ def test_the_parts_of_a_split_ball_have_names_of_their_own(tmp_path):
     assert {"b_x", "b_x_2", "b_y", "b_z"} <= set(names)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("lower", ["-1e30", "-1e16"])
 def test_limits_that_are_none_do_not_lead_away_from_home(tmp_path, lower):
     """An open drawing of which one joint has no lower limit, as it is written where there is none, closes as without limits."""

@@ -308,7 +308,6 @@ def test_mechanisms_that_are_drawn_open(family, kind, dialect, seed, tmp_path):
     compare(load(tmp_path, urdf(made, dialect), "urdf"), made, seed=seed)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(1, 6))])
 @pytest.mark.parametrize("digits", [4, 6, 8])
 @pytest.mark.parametrize("family", ["five_bar", "wrist"])

@@ -356,7 +356,6 @@ def shipped(name):
     return next(path.locate() for path in files("example-robot-data") if path.name == name)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_robots_with_loops_load_or_are_refused_in_words(name):
     found = ROBOTS[name]

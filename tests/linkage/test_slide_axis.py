@@ -34,7 +34,6 @@ def test_positions_count_upwards_whatever_the_axis(both):
     assert pp.dead_centres(up).top_position > pp.dead_centres(up).bottom_position
 
 
-@pytest.mark.one_in(4)
 def test_runs_are_alike(both, method):
     """With a spring, along which the force has a coordinate of its own, and a force over time."""
     loads = [pp.loads.ElasticDie(0.005, 1e6, 1e3), pp.loads.SpringDamper("frame", "slide", 1e3), pp.loads.TimeForce(lambda time: 1e3)]

@@ -63,7 +63,6 @@ def loaded(folder, text):
     return [each.removeprefix(f"{file}:") for each in found]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("wrong", UNREAD)
 def test_what_nothing_reads_is_told(tmp_path, wrong):
     right, said = UNREAD[wrong]

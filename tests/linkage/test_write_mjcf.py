@@ -122,7 +122,6 @@ def moved(press, at, speed, acceleration):
     return pp.servo_cycle(press, at, speed=speed, acceleration=acceleration)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", pp.presses())
 def test_shipped_presses(name, tmp_path):
     compare(texts.shipped(name), tmp_path)
@@ -151,7 +150,6 @@ SPACE = {
 }
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", rest_exhaustive(SPACE, *SPACE.keys() - {"bricard"}))
 def test_linkages_in_space(name, tmp_path):
     compare(texts.load(SPACE[name]), tmp_path)
@@ -254,7 +252,6 @@ def test_an_arm_without_loops_in_its_keyframe_on_a_base_without_moments_of_inert
     assert not check(file).errors
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", MESHING)
 def test_teeth_and_threads_are_equalities_that_move_and_drive_alike(name, tmp_path):
     press = pp.build(**MESHING[name])

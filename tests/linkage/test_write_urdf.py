@@ -201,7 +201,6 @@ def nudge(rng, size):
 # ------------------------------------------------------------------------------------------------------------------------------ the text
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_unchanged_press_has_the_same_bytes(name, tmp_path):
     press = texts.shipped(name)
@@ -209,7 +208,6 @@ def test_unchanged_press_has_the_same_bytes(name, tmp_path):
     assert (tmp_path / "written.urdf").read_bytes() == press.text
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "content",
     [
@@ -276,7 +274,6 @@ def test_name_is_escaped(press, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore:.*the centre of mass is", "ignore:.*the slide weighs")  # anywhere, anything
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", pp.presses())
 def test_inertias(name, tmp_path):
     press, rng = texts.shipped(name), np.random.default_rng(2)
@@ -329,7 +326,6 @@ def limits(press, model):
 PITCHES = (np.pi / 2, -np.pi / 2, np.pi / 2 - 1e-9, np.pi / 2 - 1e-4, np.pi)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore:.*apart as drawn:pinpress.PinpressWarning")
 @pytest.mark.parametrize(
     "change", [thin_rod, all_placements, welded_links, limits, *map(turned_by, PITCHES)], ids=lambda each: each.__name__
@@ -438,7 +434,6 @@ TWO = four_bar("spherical", table="table")  # T carries the frame of the crank O
 DRIVES = '<transmission name="drive_T"><joint name="T"/></transmission>\n  <transmission name="drive_O"><joint name="O"/></transmission>'
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "transmissions",
     [
@@ -538,7 +533,6 @@ def test_inertia_of_welded_links_stays_split(press, tmp_path):
     assert again.model.inertias[number(press, "O")] == press.model.inertias[number(press, "O")]
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("tag", ['<link name="frame"/>', '<link name="frame"></link>', '<link name="frame"><!-- heavy --></link>', None])
 def test_frame_gets_a_mass(file, tmp_path, tag):
     """Which it did not have; it carries the shaking force, not the crank."""
@@ -664,7 +658,6 @@ REFUSALS = [  # fields that are changed, the error and its message
 ]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("fields", "message"), REFUSALS)
 def test_what_no_urdf_of_this_structure_can_hold_is_refused(press, tmp_path, fields, message):
     """What was in the file before is in it still, and nothing lies beside it."""

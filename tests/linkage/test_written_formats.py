@@ -73,7 +73,6 @@ def test_a_urdf_in_another_dialect_loads_to_the_same_forces(name, dialect, home,
         assert np.abs(again.closed).max() < 1e-14
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", MESHING)
 @pytest.mark.parametrize("form", ["sdf", "urdf+", "gazebo", "home"])
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # tests of each writer have its remarks

@@ -33,7 +33,6 @@ def session(path: Path) -> Session:
     return found
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("driver", "positions"), [("A", (0.0, -0.7)), ("B", (0.4, 0.0))])
 def test_forces_are_those_of_the_whole_press(path: Path, driver: str, positions: tuple[float, float]) -> None:
     """The whole press is computed in space, by its own motion of two drivers."""

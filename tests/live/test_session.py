@@ -111,7 +111,6 @@ def test_it_is_the_same_press_by_whatever_way_it_is_reached() -> None:
     assert_allclose(floats(last.everyone["curves"][1]["values"]), floats(curve["values"]), rtol=1e-6, atol=1e-2)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_halves_change_together(name: str) -> None:
     """One of the rods of a symmetric press alone could not change: the loops would not close."""

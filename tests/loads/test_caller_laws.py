@@ -241,7 +241,6 @@ ANSWERS = {
 }
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ANSWERS)
 def test_a_drive_that_fails_in_the_middle(press, method, name):
     """Beyond 25 rad/s, at which nothing is tried before, but the run arrives from 8 rad/s."""

@@ -50,7 +50,6 @@ def test_forces_are_those_of_adams(exponent, damping):
                 assert each.force(inside, rate + 0 * inside) == pytest.approx([each.force(float(h), rate) for h in inside], rel=1e-13)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("load", "law"),
     [

@@ -68,7 +68,6 @@ def test_dissipated_work_is_the_quadrature_of_its_power():
     assert np.abs(pp.inverse_dynamics(press, motion, loads=[DAMPER, CUSHION]).power_residual).max() < 1e-12
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("load", "law"), [(DAMPER, throttled), (CUSHION, cushioned)])
 def test_runs_are_those_of_scipy(load, law, method):
     press = shipped("crank_slide")

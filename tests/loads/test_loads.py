@@ -163,7 +163,6 @@ def test_peak_torque_of_the_load_cases():
         assert added_torque("jf75g_125", angles, SPEED, "plane", name).max() == pytest.approx(peak, rel=1e-11)
 
 
-@pytest.mark.one_in(2)
 def test_thin_wall_press_works_towards_negative_x(engine):
     """The ram presses towards -x, so that a positive force points to +x; the table's work is its area, and the press gives it."""
     press = shipped("thin_wall")
@@ -200,7 +199,6 @@ def test_thin_wall_press_works_towards_negative_x(engine):
 # --------------------------------------------------------------------------------------------------------------- where the force goes
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", [name for name in LOADS if name != "idle"])
 def test_foundation_does_not_feel_a_load_and_the_bearings_do(engine, name):
     """Shaking force and moment are those of the idle press; the rod carries F along it: F on the slide's pin, F tan(phi) across."""
@@ -239,7 +237,6 @@ def turned():
     return np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("slide", ["slide", "tool"])
 def test_slanting_press_with_the_origin_off_its_pin(engine, slide, folder):
     """Force and reaction are in one line however the guide lies: the foundation gets what the momentum balance without the load says."""
@@ -439,7 +436,6 @@ def piling(time):
 PILING_EDGES = tuple(begin + edge for begin in (0.0, 0.2, 0.4, 0.6, 0.8) for edge in (0.0974, 0.0975, 0.1024, 0.1025))
 
 
-@pytest.mark.one_in(2)
 def test_piling_of_the_thesis_as_a_function_of_time(engine):
     time = np.linspace(0.0, 1.0, 100_001)
     force = piling(time)

@@ -60,7 +60,6 @@ def test_variances_that_rounding_made_negative_are_zero():
     assert fit.deviation.tolist() == [2.0, 0.0, 3.0]
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("name", "zero", "known", "exact"),
     [

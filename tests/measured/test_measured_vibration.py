@@ -270,7 +270,6 @@ def bounced(rng, modes, bounces):
     return measured.vibration({"time [s]": time, **dict(zip(sensors, values.T, strict=True))}, sensors)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.exhaustive) for seed in range(2, 40))])
 def test_a_bouncing_hammer_is_doubted_and_its_modes_are_right(seed):
     """One mode or two, one to three channels, blows 20 to 250 ms apart: the doubt is said, and intervals hold. A clean record has none."""
@@ -345,7 +344,6 @@ def as_measured(system, beside, known):
     )
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("damping", ["viscous", "loss_factor"])
 def test_intervals_of_mounts_are_those_of_linear_least_squares(damping):
     """Exact frequencies and damping ratios of changed mounts, one more mode between them that has no partner: the factors are exact, and

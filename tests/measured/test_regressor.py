@@ -58,7 +58,6 @@ def residuals(press, motion):
     }
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [*pp.presses(), "rssp", "knuckle"])
 def test_columns_times_values_are_inverse_dynamics(name):
     press = press_of(name)
@@ -74,7 +73,6 @@ def judged(spec, folder):
     return max(residuals(press, pp.servo_cycle(press, **servo(press, np.random.default_rng(1)))).values())
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("kinds", "seed"), [(("RRR",), 1), (("RRP", "RPR"), 2), (("triad", "PRR"), 4)])
 def test_so_they_are_of_random_linkages(tmp_path, kinds, seed):
     groups = tuple(Group(kind, 0, (k, k + 1, k + 2)) for k, kind in enumerate(kinds))

@@ -12,7 +12,6 @@ QUICK = ("press_from_a_sketch", "bearing_forces", "permissible_force", "my_own_r
 LONGEST = 60  # lines
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", rest_exhaustive(example_pages.NAMES, *QUICK))
 def test_example_answers_as_its_page_says(name: str) -> None:
     plt = pytest.importorskip("matplotlib.pyplot")

@@ -41,7 +41,6 @@ def test_the_page_is_short_before_its_keys() -> None:
     assert len(re.findall(r"\w[\w.'’-]*", text)) <= MOST_WORDS
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("page", [page for page in PAGES if any(jobs(page))])
 def test_jobs_of_a_page_are_read_and_pass_the_schema(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -28,7 +28,6 @@ def reactions(press: pp.Linkage, points: int = 72) -> pp.Reactions:
     return pp.inverse_dynamics(press, pp.cycle(press, speed=TURN, points=points))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_shipped_tables_and_urdfs_are_one_press(name):
     """Motion, torque, every bearing force with its name and sign, and the moments on the foundation, which feel where masses stand."""
@@ -81,7 +80,6 @@ def test_the_blow_of_the_screw_press(tmp_path):
     assert die.stiffness * (-1.28 - run.slide_position.min()) == pytest.approx(largest, rel=1e-5)  # states are 0.4 ms apart
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", [name for name in TEMPLATES if name != "screw"])
 def test_templates_are_presses(name, tmp_path):
     path = tmp_path / f"{name}.yaml"

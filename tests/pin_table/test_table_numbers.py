@@ -42,7 +42,6 @@ def test_all_else_of_the_text_stays() -> None:
     assert rewritten(TEXT, numbers, {}) == TEXT
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("path", TABLES, ids=lambda path: path.stem)
 def test_a_table_read_again_is_the_table_with_other_numbers(path: Path, tmp_path: Path) -> None:
     text = path.read_text()

@@ -261,7 +261,6 @@ SCREWS = [
 ]
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("screw", "torques", "efficiencies"), SCREWS)
 @pytest.mark.parametrize("hand", ["right", "left"])
 def test_torque_of_a_screw(screw, torques, efficiencies, hand):
@@ -314,7 +313,6 @@ def test_mirrored_racks_push_as_mirror_images(turns, mirror, guide):
         assert forces["rack_1"][-1] == pytest.approx((1e4 * np.tan(np.radians(20)), 0, -1e4), rel=1e-12)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", MESHING)
 def test_the_urdf_with_shapes_loads_to_the_same_press(name, tmp_path):
     drawn = draft(**MESHING[name])

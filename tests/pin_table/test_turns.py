@@ -47,7 +47,6 @@ def built(text, folder, turns=None):
     return pp.build(path)
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", [name for name in TABLES if name not in WITHOUT_SENSE])
 def test_a_press_that_runs_clockwise_is_the_press_turned_backwards(name, tmp_path):
     """Mechanics does not know which sense is called positive: world quantities are equal, the driver's change sign."""

@@ -310,7 +310,6 @@ def test_parts_are_stacked_to_the_whole():
     assert {text.get_text() for text in axes.get_legend().get_texts()} <= {*found.parts, "others"}
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("names", [("P", "W"), ("W", "P")])
 def test_rounding_does_not_choose_the_order(names):
     """Of parts that yield alike, in the text and in the chart, the one that was given first comes first."""

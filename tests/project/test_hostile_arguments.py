@@ -188,7 +188,6 @@ class Unwritten:
         raise RuntimeError("no words")
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("value", [10**5000, [10**5000], Unwritten(), (Unwritten(),)], ids=["digits", "in a list", "silent", "in a tuple"])
 @pytest.mark.parametrize(
     ("name", "argument"),

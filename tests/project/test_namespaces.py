@@ -53,7 +53,6 @@ def example(name):
     return textwrap.dedent(code)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", rest_exhaustive(NAMESPACES, *(name for name in NAMESPACES if name not in SLOW)))
 def test_text_is_short_and_its_example_runs(name, names, tmp_path, monkeypatch):
     assert 6 <= getattr(pp, name).__doc__.count("\n") <= LONGEST

@@ -42,7 +42,6 @@ def used(press, motion, capacities, force, loads=(), friction=None):
     return shares | {"nominal force": force / capacities.nominal_force}
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("friction", [{}, RUBBING], ids=["smooth", "rubbing"])
 @pytest.mark.parametrize("spring", [False, True])
 def test_the_permissible_force_uses_up_the_limit_that_governs(press, motion, spring, friction):
@@ -72,7 +71,6 @@ def test_the_torques_of_a_slow_press_follow_from_virtual_work(press):
     assert found.limited_by == ("torque A",)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("friction", [{}, {"A": pp.loads.Friction(0.05, radius=0.1), "slide_guide": pp.loads.Friction(0.05)}])
 def test_one_driver_at_constant_speed_is_rated_as_by_rate(friction):
     press = shipped("zxn2_3000b")

@@ -73,7 +73,6 @@ def test_a_nominal_height_stands_for_the_torque_with_friction():
     assert found.speed_limit is None
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "given", [{}, {"at_speed": True}, {"at_speed": True, "loads": [CYLINDER]}, {"at_speed": True, "loads": [CYLINDER], "viscous": 30.0}]
 )

@@ -53,7 +53,6 @@ def harmonic(travel, highest):
     return highest * np.sin(phase), half * frequency**2 * np.cos(phase)
 
 
-@pytest.mark.one_in(3)
 def test_a_toggle_permits_what_virtual_work_says(toggle, engine):
     given = Capacities(4e5, nominal_height=0.02, bearings={"U": 4.5e5})
     found = rate(toggle, 0.1, given, points=21, contact_height=0.03, engine=engine)

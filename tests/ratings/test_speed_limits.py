@@ -44,7 +44,6 @@ def capacities_for(item, amount):
     return Capacities(1e6, **{item.replace(" ", "_"): amount})
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("name", "item"),
     [

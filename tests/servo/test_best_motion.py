@@ -231,7 +231,6 @@ def test_least_heat(name, inertia, loads, time, limits, path, rms):
     assert best.motion.duration == pytest.approx(time, rel=1e-6)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("back", [0.0, 0.005])
 def test_pulses_are_proved(back):
     """The slide rests at bottom dead centre, where its limit of speed allows nearly any: rows of 1e9 cost six digits of the dual."""
@@ -426,7 +425,6 @@ def best_of_a(drive=None, points=240, **options):
     return servo.best_motion(texts.shipped("zxn2_3000b"), drive or servo.ServoDrive(inertia=800), DRAWING, points=points, **options)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize(
     ("limit", "of"),
     [
@@ -446,7 +444,6 @@ def test_a_limit_is_kept_and_acts(limit, of):
     assert len(best.limits) > 1
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("name", "inertia"), [("zxn2_3000b", 800), ("jf75g_125", 2), ("thin_wall", 2), ("link-drive", 20)])
 def test_limits_of_the_drive_hold_between_nodes(name, inertia, tmp_path):
     """In the mean from node to node they hold anyhow; at an instant they were exceeded by 2 to 20 %, with least time or least heat."""
@@ -498,7 +495,6 @@ def test_losses_by_speed(minimise):
     assert best.gap < 0.02
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("limits", "drive"),
     [

@@ -145,7 +145,6 @@ CASES = {
 QUICK = ["stop at top without a limit of speed", "pulses"]
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", QUICK)
 def test_by_a_second_convex_solver(name):
     case = CASES[name]
@@ -176,7 +175,6 @@ def test_errors_fall_with_the_square_of_the_step(name):
         assert 1.7 < np.log2((coarse - middle) / (middle - fine)) < 2.3
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("name", "fastest"),
     [("least time", None), ("least time", 8.0), ("least time of a swing", None), ("least time of pulses", None)],

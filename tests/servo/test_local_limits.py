@@ -72,7 +72,6 @@ def test_coefficients_of_bearings_are_the_forces_of_any_motion(way):
         np.testing.assert_allclose(force[:, [0, 2]], reactions.bearing_force[name][:, [0, 2]], atol=1e-9 * 1e6)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("path", PATHS)
 def test_power_and_rate_of_torque_are_those_of_energies(path):
     """A rate goes from the middle of a segment to that of the next, through a stop without a dwell too, but not over a dwell."""
@@ -121,7 +120,6 @@ def test_tangents_touch_limits_from_within(path, which):
         assert (np.array(left_by_tangents(other)) <= np.array(left(other)) + 1e-6 * scale).all()
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("path", PATHS)
 def test_nodes_stand_where_forces_begin_and_where_the_slide_turns_back(path):
     """On every leg, in its direction, whichever that is; a turn back at a height is an end of a leg anyhow."""

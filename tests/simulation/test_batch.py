@@ -629,7 +629,6 @@ def test_a_law_that_raises_is_told_with_where(press):
     assert 2 * math.pi * turns / 62 < raised.value.time < 2 * math.pi * turns / 29
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_torque_that_is_constant_but_near_rest(disc, way):
     """It brakes with 5 N m down to 1 rad/s, and below with less, in proportion: constant at all speeds before, it would stop the crank.

@@ -150,7 +150,6 @@ def test_couplings_loads_and_losses_at_rest(press, scene, method):
 TORQUES = [(drive, clutch, brake) for drive in (-90.0, 20.0, 90.0) for clutch in (None, 15.0, 200.0) for brake in (None, 10.0, 70.0)]
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.filterwarnings("ignore:the press stands from")
 def test_the_crank_rests_where_its_torques_lie_within_what_holds(press, method):
@@ -197,7 +196,6 @@ def test_a_crank_that_moves_by_rounding_alone_makes_no_jump(press, method):
     assert run.drive_speed[-1] == pytest.approx(-0.2, rel=1e-12)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("angle", [0.0, math.pi])
 def test_a_clutch_whose_torque_rises_between_sides_that_coast_alike(press, angle, method):

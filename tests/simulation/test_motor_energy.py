@@ -81,7 +81,6 @@ def stored(run):
     return np.array(found)
 
 
-@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", MOTORS)
 def test_mains_are_work_and_losses_and_what_is_stored(name):
     """At every state of a run that is not steady: an error of 1e-9 of the largest work."""

@@ -16,7 +16,6 @@ REFUSED_BY_SOME: dict[str, set[int]] = {}
 """Seeds of the scenes that one method solves and another refuses: a seed may leave this list, and none may join it."""
 
 
-@pytest.mark.one_in(8)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # numbers at random are often hardly meant
 @pytest.mark.parametrize(
     ("kind", "seed"),

@@ -95,7 +95,6 @@ def test_jf75g_idle(press, method):
 LOADS = {"blanking_1250kN": pp.loads.Blanking(1.25e6, 0.010, 0.005), "drawing_1250kN": pp.loads.DeepDrawing(1.25e6, 0.010)}
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", LOADS)
 def test_strokes_under_load(press, method, name):
     """Each stroke of the reference: to bottom dead centre at its time, with its speed, and its work. Works per stroke are closed forms."""
@@ -112,7 +111,6 @@ def test_strokes_under_load(press, method, name):
     assert number == 5
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", LOADS)
 def test_speeds_before_and_after_the_load(press, method, name):
     """At the crank angles where the load begins and ends, by the energy: the speed there is a function of the angle alone."""
@@ -184,7 +182,6 @@ def test_the_fixed_step_of_the_constraint_method(press, steps):
     assert abs(order(steps, speed) - 4) < 0.3
 
 
-@pytest.mark.one_in(2)
 def test_the_finest_step_leaves_only_rounding(press, method):
     """A third of the run: the whole takes more steps than all others together."""
     at = JF75G["forward_idle_567Nm"]["0.2"]
@@ -359,14 +356,12 @@ def test_a_load_with_a_corner_between_a_panels_last_node_and_its_border(press, o
     same(run, equation.solve(run.time, W0, J0, torque=constant, windows=[window], corners=[beyond]), bound=1e-11)
 
 
-@pytest.mark.one_in(2)
 def test_several_loads_at_once(press, method):
     run = zhang(press, 0.45, loads=[CASES[name][0] for name in ("piling", "stripping", "table", "damped_die")], points=46, method=method)
     windows = [window for name in ("piling", "stripping", "table", "damped_die") for window in CASES[name][1]]
     same(run, equation.solve(run.time, W0, J0, torque=constant, windows=windows))
 
 
-@pytest.mark.one_in(2)
 def test_two_dies_that_part_at_different_times(press, method):
     acting, windows = (
         [pp.loads.ElasticDie(0.006, 1e8, 1e5), pp.loads.ElasticDie(0.006, 5e7, 5e5)],
@@ -376,7 +371,6 @@ def test_two_dies_that_part_at_different_times(press, method):
     same(run, equation.solve(run.time, W0, J0, torque=constant, windows=windows))
 
 
-@pytest.mark.one_in(2)
 def test_a_force_in_time(press, method):
     """Zhang's pulse about 0.2 s, made of ADAMS' STEP: the press comes by with its slide elsewhere."""
 
@@ -403,7 +397,6 @@ def test_a_datum_of_its_own(press, method):
     np.testing.assert_allclose(runs[0].crank_angle, runs[1].crank_angle, rtol=0, atol=1e-9)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("start", [0.0, math.pi, 5.0, 5.2, 2 * math.pi - 1e-6, -7.0])
 def test_a_start_anywhere(press, method, start):
     """Also within the load, and at dead centres."""
@@ -411,7 +404,6 @@ def test_a_start_anywhere(press, method, start):
     same(run, pressed("stripping", 0.3, 31, angle=start))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["blanking", "stripping", "table", "damped_die"])
 def test_backwards(press, method, name):
     """A crank that turns the other way works the same strokes."""
@@ -422,7 +414,6 @@ def test_backwards(press, method, name):
 # ------------------------------------------------------------------------------------------------------------------ stops and stalls
 
 
-@pytest.mark.one_in(2)
 def test_a_rebound_from_the_die(press, method):
     """Too slow to pass bottom dead centre: the slide stops on the die, and its damper takes energy on the way down and up."""
     load, windows = pp.loads.ElasticDie(0.006, 2e8, 2e5), [die(0.006, 2e8, 2e5)]
@@ -434,7 +425,6 @@ def test_a_rebound_from_the_die(press, method):
 
 
 @pytest.mark.filterwarnings("ignore:.*of the weight of the slide")
-@pytest.mark.one_in(2)
 def test_swings_from_rest(press, method):
     """A cushion that pushes everywhere lets it swing about top dead centre; a load on the way down takes some of that at every swing."""
     acting = [pp.loads.ConstantForce(2000.0, 0.05), pp.loads.DeepDrawing(400.0, 0.020, 0.012)]
@@ -599,7 +589,6 @@ def test_a_drive(press, method, name, load):
     np.testing.assert_allclose(run.motor_squared, solution.motor_squared, rtol=0, atol=1e-7 * solution.motor_squared[-1])
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["geared", "lossy_induction", "slip_clutch", "inverter"])
 def test_a_drive_through_standstill(press, method, name):
     """Braked and turned round by its drive, or brought forward; with losses in the gears its torque jumps there."""
@@ -669,7 +658,6 @@ def close(run, angle, speed, lost=None, own=None):
         np.testing.assert_allclose(run.drive_speed, own(t), rtol=0, atol=1e-8)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("second", [0.0, 8.0, -4.0, 30.0])
 @pytest.mark.parametrize("rise", [0.0, 0.05])
 def test_a_clutch_joins_two_inertias(disc, method, second, rise):
@@ -799,7 +787,6 @@ def test_a_single_stroke(disc, method):
     assert abs(run.lost[-1] - (0.5 * both * first**2 + 0.5 * J2 * end**2)) < 1e-6
 
 
-@pytest.mark.one_in(2)
 def test_braking_a_press(press, method):
     """The JF75G-125 in the exact equation: while it slips, a brake is a constant torque against the motion."""
     at, torque = 0.1, 20_000.0
@@ -817,7 +804,6 @@ def test_braking_a_press(press, method):
     assert run.stats.energy_error < 1e-8
 
 
-@pytest.mark.one_in(2)
 def test_engaging_a_press(press, method):
     """The clutch takes the standing JF75G-125 along: a constant torque on either side, then one mass."""
     torque = 2000.0
@@ -872,7 +858,6 @@ def test_inverse_dynamics_gives_the_torque_back(press, method, name):
         np.testing.assert_allclose(result.driving_torque, left, rtol=0, atol=1e-9 * np.abs(result.driving_torque).max())
 
 
-@pytest.mark.one_in(2)
 def test_works_are_integrals(press, method):
     """Of the torques and forces in the states returned, by Simpson's rule over a smooth run."""
     case, cushion = DRIVES["induction"](), pp.loads.SpringDamper("frame", "slide", 2e6, 3e3, 0.3, point1=(0, 0, -1.0))
@@ -886,7 +871,6 @@ def test_works_are_integrals(press, method):
     assert abs(simpson @ ((sprung - unloaded) * run.crank_speed) - run.load_work[-1]) < 1e-7 * np.abs(run.load_work).max()
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("options", [{}, {"step": 1e-3}, {"method": "constraint"}, {"clutch": pp.drives.Clutch(5000.0)}])
 def test_a_run_is_reproducible(press, options):
     """Bit by bit, with the press read again too."""
@@ -899,7 +883,6 @@ def test_a_run_is_reproducible(press, options):
     assert len({dataclasses.replace(run.stats, wall_time=0.0) for run in runs}) == 1
 
 
-@pytest.mark.one_in(2)
 def test_the_tolerance_is_kept(press, method):
     """Errors fall with it, and stay within some hundred times of it: that many steps."""
     exact = pressed("damped_die", 0.45, 61)
@@ -912,7 +895,6 @@ def test_the_tolerance_is_kept(press, method):
     assert steps == sorted(steps)
 
 
-@pytest.mark.one_in(2)
 def test_a_run_is_a_motion(press, method):
     run = zhang(press, 0.4, loads=[CASES["blanking"][0]], method=method)
     assert isinstance(run, pp.Motion)
@@ -979,7 +961,6 @@ def test_both_methods_on_the_presses(name):
     assert np.abs(one.load_work).max() > 1
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("closing", ["spherical", "revolute", "fixed", "overclosed"])
 def test_both_methods_on_spatial_loops(closing):
     """Four-bars, and Bennett's linkage, whose five equations have rank two."""

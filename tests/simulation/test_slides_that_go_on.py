@@ -76,7 +76,6 @@ def test_a_screw_press_meets_its_die(screw, speed, die, duration, method):
     np.testing.assert_allclose(run.slide_position, START + LEAD * run.crank_angle, rtol=0, atol=1e-12)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     ("angle", "speed", "duration"), [(6.1, 25.0, 0.03), (-6.2, -25.0, 0.02), (12.5, 12.0, 0.04), (0.0, 40.0, 0.2), (-9000.0, -90.0, 2.0)]

@@ -116,7 +116,6 @@ TOUR = Path(__file__).parents[2] / "docs" / "tour" / "knuckle.urdf"
 HEIGHTS, FORCES = [0.0, 0.002, 0.004], [1.2e6, 4e5, 0.0]
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.filterwarnings("ignore:the slide turns down again")
 def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     """The program turns back beside bottom dead centre; the table holds the slide on its way down until the servo overcomes it."""
@@ -139,7 +138,6 @@ def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
     assert held[-1] > 0.9 * largest[-1]
 
 
-@pytest.mark.one_in(2)
 def test_a_press_that_stands_to_the_end_says_so(press, method):
     servo = pp.drives.ServoMotor([-0.2, 1.0], [2.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
     with pytest.warns(pp.PinpressWarning, match=r"the press stands from 0\.\d+ s to the end, at crank angle .* deg"):
@@ -157,7 +155,6 @@ def test_a_press_that_stands_to_the_end_says_so(press, method):
     assert np.ptp(run.crank_angle[run.time > 0.9]) == 0.0
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("seed", [516, 558, 656, 728, 776, 826])
 @pytest.mark.parametrize("method", ["auto", "implicit"])

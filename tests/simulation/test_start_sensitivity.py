@@ -41,7 +41,6 @@ def heard(press, duration, **arguments):
     return run, [str(warning.message) for warning in caught]
 
 
-@pytest.mark.one_in(2)
 def test_a_run_that_is_not_determined_says_so(press, method):
     """1e-9 rad/s at the top: the run is wrong, though its energy is right, and says by how much it may be."""
     run, said = heard(press, 2.5, speed=1e-9, angle=math.pi, method=method)

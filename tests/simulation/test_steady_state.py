@@ -148,7 +148,6 @@ PRESSED = {
 }
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("load", PRESSED)
 @pytest.mark.parametrize("name", CASES)
 def test_the_exact_equation_comes_back(press, name, load):
@@ -275,7 +274,6 @@ PRESSES = {
 }
 
 
-@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", PRESSES)
 def test_other_presses_by_the_constraint_method(name):
     """Pinocchio's constraint dynamics, which share no equation with the reduced ones, come back to the steady state too."""
@@ -332,7 +330,6 @@ def test_the_guess_does_not_matter(press, name, guess):
     np.testing.assert_allclose(found.crank_speed, steady.crank_speed, rtol=1e-10)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("lag", [0.0, 0.05])
 def test_backwards(press, lag):
     """The JF75G-125 is its own mirror image."""
@@ -532,7 +529,6 @@ def test_presses_without_a_steady_state(make, message):
 # ------------------------------------------------------------------------------------------------------------------ duty and strokes
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["slip_clutch", "lossy_induction"])
 def test_duty_of_a_stroke(press, name):
     """From a finer grid in time, works and means by Simpson's rule."""
@@ -596,7 +592,6 @@ def test_strokes_make_up_the_run(long_run, strokes):
     assert whole.highest_speed >= max(stroke.highest_speed for stroke in strokes) * (1 - 1e-5)  # 720 states a turn, shifted
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("drive", [slip_clutch(), induction(efficiency=0.9)])
 def test_strokes_of_both_methods(press, drive):
     """Also where the run begins at another angle, and runs backwards."""

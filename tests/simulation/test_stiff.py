@@ -51,7 +51,6 @@ def test_what_a_stiff_damper_has_brought_to_rest_costs_no_steps(method, stiffnes
     assert found.stats.evaluations < 6000  # 70 000 and more, or a run that is given up, with slopes over changes hidden by rounding
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("spring", [None, between(1e8, 1e5)])
 def test_a_stiff_speed_law_costs_runs_of_all_joints_no_steps(spring):
     """What a stiff torque does to the crank passes on to rod and slide one round of Newton's method later."""
@@ -66,7 +65,6 @@ def test_an_ordinary_run_over_time_stays_explicit():
     assert run("auto", 0.0, drive=motor).stats.solvers == ("explicit",)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", ["implicit", "constraint"])
 def test_methods_agree_on_a_law_that_is_hardly_stiff(method):
     scene = {"drive": ConstantTorque(400.0), "loads": [between(1e5, 3e3)], "points": 200}
@@ -111,7 +109,6 @@ def test_a_swing_under_a_steady_torque_pays_its_motor():
     assert found.drive_work == pytest.approx(torque * (found.crank_angle - START), abs=1e-6)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("efficiency", [1.0, 0.9])
 def test_a_swing_under_a_geared_torque_is_repeated_without_losses_alone(efficiency):
     drive = pp.drives.Geared(ConstantTorque(50.0), 2.0, efficiency=efficiency)
@@ -120,7 +117,6 @@ def test_a_swing_under_a_geared_torque_is_repeated_without_losses_alone(efficien
     assert ("repetition" in found.stats.solvers) == (efficiency == 1.0)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("scene", [{"loads": [between(1e10, 1.0)]}, {"drive": Rubbing(0.0, 1e-3, 1e-6), "loads": [between(1e10, 0.0)]}])
 def test_what_is_damped_ever_so_little_is_not_repeated(scene):
     found = pp.simulate(MECHANISM.press(), 0.05, speed=SPEED, angle=START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)

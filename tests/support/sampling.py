@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable
+from math import isqrt
 from typing import Any
 from zlib import crc32
 
@@ -19,7 +20,8 @@ def sample(items: list[pytest.Item]) -> None:
     """Marks cases as exhaustive.
 
     - Of a test by several engines or methods all but one, which differs from test to test: other tests compare them with each other.
-    - `pytest.mark.one_in(count)`: all but the first of a test's cases, and from there each ``count``-th.
+    - Of n cases of a test all but the first, and from there each k-th: k is about the root of n, and odd, so that cases by two
+      parameters take turns in both. `pytest.mark.one_in(k)` says another k.
     """
     ways: dict[tuple[str, str], list[str]] = defaultdict(list)
     for item in _short(items):
@@ -31,12 +33,15 @@ def sample(items: list[pytest.Item]) -> None:
             every = ways[_test(item), name]
             if value != every[crc32(_test(item).encode()) % len(every)]:
                 item.add_marker(pytest.mark.exhaustive)
-    seen: dict[str, int] = defaultdict(int)
+    cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in _short(items):
-        if (every_so_often := item.get_closest_marker("one_in")) is not None:
-            if seen[_test(item)] % every_so_often.args[0]:
+        cases[_test(item)].append(item)
+    for same in cases.values():
+        sparse = same[0].get_closest_marker("one_in")
+        step = isqrt(len(same)) | 1 if sparse is None else sparse.args[0]
+        for number, item in enumerate(same):
+            if number % step:
                 item.add_marker(pytest.mark.exhaustive)
-            seen[_test(item)] += 1
 
 
 def _short(items: list[pytest.Item]) -> list[pytest.Item]:

@@ -36,7 +36,6 @@ def agrees(found, i, j, expected):
         assert abs(found.grid(name)[i, j] - value) <= 1e-12 * size, name
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize("name", pp.presses())
 @pytest.mark.parametrize("sign", [1, -1])
 def test_every_shipped_press(name, sign):

@@ -361,7 +361,6 @@ def again(file, grid, files):
         return None, done
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("log", "count"), [(False, 150), (True, 40), pytest.param(True, 150, marks=pytest.mark.exhaustive)])
 def test_changed_files_are_refused_or_do_no_harm(file, log, count):
     """A finished file, and the log that a kill has left: no value is ever another one, no point is lost without being done again."""
@@ -605,7 +604,6 @@ class LocalError(Exception):
         raise TypeError("not to be pickled")
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "error", [SystemExit(3), GeneratorExit(), SilentError(), LocalError("x"), MemoryError()], ids=lambda e: type(e).__name__
 )

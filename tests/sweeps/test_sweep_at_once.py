@@ -211,7 +211,6 @@ def test_a_disk_that_fills_up(file):
     same(sweep(lambda k: {"x": 0.1 * k}, numbers, to=file, at_once=10), sweep(lambda k: {"x": 0.1 * k}, numbers))
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("at_once", [8, 50])
 def test_a_point_that_kills_its_worker_has_failed(file, tmp_path, at_once):
     """The others of its part are done."""

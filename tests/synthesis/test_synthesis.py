@@ -287,7 +287,6 @@ def test_a_search_that_oversteps_into_designs_that_lock_comes_back():
     assert r * w**2 * (1 + r / rod) == pytest.approx(30.0, rel=1e-7)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "function",
     [
@@ -337,7 +336,6 @@ def test_what_is_not_known_exactly_is_refused():
         synthesise(two_point, both, minimise=lambda t: t.reactions.shaking_moment[:, 1], **rods)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("points", "noticed"), [(20, True), (180, False)])
 def test_what_a_constraint_is_missed_by_between_crank_angles_is_said(points, noticed):
     """A slide speed that is held at the crank angles of the trials is beyond its bound between them, as a cycle with 20 000 shows."""

@@ -109,7 +109,6 @@ def test_first_order_is_that_of_the_sample(found):
         assert np.abs((slopes - each.gradient) * tolerances).max() < 2e-3 * each.worst_case
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore:.*does not move the slide at a dead centre:pinpress.PinpressWarning")  # a guide along itself
 @pytest.mark.parametrize("name", ["crank_slide", "jf75g_125_plain", "thin_wall", "zxn2_3000b", SLIDING, IN_SPACE])
 def test_every_press_is_the_reshaped_one(name):

@@ -350,7 +350,6 @@ BROKEN = {
 }
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", BROKEN)
 def test_meshes_that_cannot_be_read(name: str, tmp_path: Path) -> None:
     content = BROKEN[name]
@@ -396,7 +395,6 @@ def own_colours(shown: Any) -> list[tuple[float, ...]]:
     return colours
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_colours_tell_links_apart(name: str) -> None:
     press = bare(texts.shipped(name))
@@ -425,7 +423,6 @@ def test_links_pass_each_other_in_layers(name: str) -> None:
     assert all(below[1] < above[0] for below, above in itertools.pairwise(layers))
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_slides_stay_between_their_rails(name: str) -> None:
     press = bare(texts.shipped(name))
@@ -482,7 +479,6 @@ def test_volumes_and_centres() -> None:
     assert_allclose(centre, [4 * 0.3 / (3 * np.pi), 0, 0], atol=1e-3)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("mass", "place", "shape"), [(3000.0, (-0.1, 0.0, 0.05), Cylinder), (600.0, (-0.3, 0.0, 0.1), Plate)])
 def test_counterweights_of_a_balanced_press_have_their_mass_where_it_is(mass: float, place: Any, shape: type, tmp_path: Path) -> None:
     """The 3 tonnes that balancing finds are seen, on links with visuals and without, of a file too; bodies are as before."""

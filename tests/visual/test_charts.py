@@ -148,7 +148,6 @@ def test_a_cycle_against_quadrature():
         np.testing.assert_allclose(amplitude[[0, 2]], sums[[0, 2]], rtol=0, atol=1e-9 * np.abs(force).max())
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("start", [0.0, 1.3])
 def test_turns_of_other_states(start):
     """A servo motion of uneven steps over one and a half turns at constant speed: the harmonics are those of the cycle."""
@@ -417,7 +416,6 @@ def test_a_pin_in_space_holds_all_moments_but_the_one_about_its_axis():
 # Polar diagrams
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("yaw", [0.4, 1.2, 2.0, 2.8, -0.4, -1.2, -2.0, -2.8])
 @pytest.mark.parametrize("roll", [0.5, 2.5])
 def test_locus_in_an_inclined_plane(roll, yaw):
@@ -440,7 +438,6 @@ def test_locus_in_a_plane_of_world_axes(rpy, axes):
     assert named(pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12)))["polar P"].axes == axes
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_locus_in_axes_of_the_link(name):
     """In the plane a link's axes are turned by the sum of the joint angles on the way to it; turned back, the force is the frame's."""

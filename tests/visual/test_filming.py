@@ -298,7 +298,6 @@ def test_path_that_cannot_be_written_is_found_first(make: Any, name: str, page: 
         make(page, tmp_path / name)
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.usefixtures("running")
 @pytest.mark.parametrize(
     ("content", "says"),

@@ -71,7 +71,6 @@ def arrows_at(page: Any, time: float) -> list[dict[str, Any]]:
     )
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pp.presses())
 def test_loads_are_given_where_the_mechanics_puts_them(name: str, tmp_path: Path) -> None:
     """Every press, without a browser; the next test sees the simplest, and the one of most links and bearings, in one."""

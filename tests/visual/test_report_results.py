@@ -554,7 +554,6 @@ foundation:
 """
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -112,7 +112,6 @@ def test_programs_in_space(presses, made, kind, name):
     assert max(errors(presses(name), made(kind, name), 36)) < EXACT
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("speed", [7.0, -5.0])
 def test_exudyn_in_space(presses, made, speed):
     """The trapezoidal rule, as in the plane, for torque and all forces; the cross without mass is a joint."""
@@ -154,7 +153,6 @@ def test_what_is_not_compared_in_a_loop(presses):
         PinocchioCpp(small_linkages.two_cranks())
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("name", PRESSES)
 def test_mujoco(presses, made, name, speed):
@@ -175,7 +173,6 @@ def test_mujoco_where_loops_hold_each_other(presses, made, name):
     assert np.abs(found - expected).max() < SHARED * np.abs(expected).max()
 
 
-@pytest.mark.one_in(7)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("name", PRESSES)
 def test_exudyn(presses, made, name, speed):
@@ -230,7 +227,6 @@ def order(errors):
     return float(np.log2(errors[0] / errors[-1]) / (len(errors) - 1))
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", PRESSES)
 def test_free_run_by_mujocos_terms(presses, made, name):
     """Classical Runge-Kutta: fourth order; on the loops to rounding after every step."""
@@ -242,7 +238,6 @@ def test_free_run_by_mujocos_terms(presses, made, name):
     assert order([abs(end.energy_error) for end in found]) > 3
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide"])
 def test_free_run_by_mujocos_own_steps(presses, made, name):
     """Loops as stiff as 1 / step^2 allows: second order of angle and gap, whatever the integrator's."""
@@ -253,7 +248,6 @@ def test_free_run_by_mujocos_own_steps(presses, made, name):
     assert (forces < 1e-3).all()
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", PRESSES)
 def test_free_run_by_exudyn(presses, made, name):
     """The trapezoidal rule: second order in everything, the gap too, as it keeps the rates of the loops."""

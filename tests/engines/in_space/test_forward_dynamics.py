@@ -104,7 +104,6 @@ def units(press):
 # --------------------------------------------------------------------------------------------------------------------------- acceleration
 
 
-@pytest.mark.one_in(4)
 def test_dense_equations(case):
     """Under any efforts: [M J'; J 0] with least-squares multipliers, by NumPy, Pinocchio's mass matrix of the open tree, and rows of the
     tests' own. Both solutions lose digits with the condition of the dense matrix, most (to 3e-11) in Bennett's linkage: 1e-9."""
@@ -122,7 +121,6 @@ def test_dense_equations(case):
         assert np.abs(jacobian @ found + drift).max() <= 1e-10 * np.abs(drift).max() + 1e-10 * np.abs(found).max()
 
 
-@pytest.mark.one_in(4)
 def test_inverse_dynamics(case):
     """The motion's own accelerations under the torque that inverse dynamics says, with a load on a link; 1e-9 of the peak."""
     press, motion = case.press, case.motion

@@ -53,7 +53,6 @@ def torques(press, engine="auto", at=AT):
     return pp.inverse_dynamics(press, motion, engine=engine).driving_torque
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")
 @pytest.mark.parametrize("d", [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10])
 def test_torques_of_a_rounded_hinge_are_right_to_its_rounding(d):
@@ -133,7 +132,6 @@ def test_rings_in_space_with_rounded_numbers(exact, digits):
         np.testing.assert_allclose(of_rounded, of_exact, rtol=0, atol=100 * 10.0**-digits * np.abs(of_exact).max())
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("text", "missed"), ROUNDED, ids=lambda value: f"{value:g}" if isinstance(value, float) else "")
 def test_a_crank_slide_with_rounded_axes_loads_with_a_warning(text, missed):
     file = texts.file(text)

@@ -155,7 +155,6 @@ def test_forces(spatial):
 # ------------------------------------------------------------------------------------------------------------------------ redundant
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("turn", [False, True])
 def test_a_redundant_linkage_moves(turn, engine):
     """It closes all the way round, and its coupler only translates (1e-12)."""
@@ -174,7 +173,6 @@ def test_a_redundant_linkage_moves(turn, engine):
     assert np.abs(motion.a).max() < 1e-10
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("offset", [0.0, 0.2])
 def test_a_redundant_linkage_in_closed_form(offset, engine):
     """Torque = I alpha + g sum(m r cos), as all parts turn alike or move like the crank pin; every body in balance; 1e-12 of the peak."""

@@ -189,7 +189,6 @@ def test_power_and_momentum(case):
     assert np.abs(case.result.shaking_moment - moment).max() <= 1e-12 * max(case.moment, case.force * case.press.size)
 
 
-@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", [name for name in FAMILIES if np.size(FAMILIES[name].swing) == 1])
 def test_equation_of_motion(name):
     """Torque = I x'' + I' x'^2 / 2 + V' of one degree of freedom, I and V from Pinocchio's energies at unit speed, 1e-11 of the peak."""
@@ -321,7 +320,6 @@ def test_a_four_bar_is_the_same_however_it_is_closed(closing, engine):
         assert result.indeterminate[name][1]
 
 
-@pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", range(4))
 def test_a_link_that_spins_freely_is_found(seed):
     """A sleeve on a four-bar's rocker that turns about a line through the loop's pin: its joint moves the loop by rounding alone."""

@@ -53,7 +53,6 @@ def test_break_through_of_a_slide_between_light_links():
     assert -lowest_place * spring / force == pytest.approx(closed, rel=5e-6)
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize("ratio", [0.0, 1e-3])
 def test_decay_of_a_slow_press(monkeypatch, ratio):
     """A turn of very many vibrations is not followed through all of them: each crank angle damps as it would by itself."""

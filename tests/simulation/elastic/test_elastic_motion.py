@@ -48,7 +48,6 @@ REFERENCE = [
 ]
 
 
-@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("name", "rpm", "depth", "angle", "events", "peaks", "works"), REFERENCE)
 def test_blanking_against_another_program(name, rpm, depth, angle, events, peaks, works):
     run, bottom = stroke(name, rpm), pp.dead_centres(shipped(name))
@@ -69,7 +68,6 @@ def test_decay_is_that_of_the_lowest_vibration():
     assert stroke(*JF75G, loaded=False).decay_per_stroke == pytest.approx(np.exp(-0.02 * lowest * 0.2), rel=0.01)
 
 
-@pytest.mark.one_in(5)
 @pytest.mark.parametrize(
     ("name", "rpm"), [JF75G, SIX_BAR, ("thin_wall", 40.0), ("jf75g_125_symmetric", 300.0), ("jf75g_125_two_point", 300.0)]
 )
