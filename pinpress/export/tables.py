@@ -627,6 +627,6 @@ def _with_errors(table: PressTable, sampler: _Sampler, sizes: _Sizes) -> PressTa
             place = table.coordinate.at(float(angles[int(missed[part].max(axis=0).argmax())]))
             raise PinpressError(
                 f"{each.name} of {table.press_name} differs by {error[each.name]:.1g} of its largest value from the engine at {place}:"
-                " it jumps there, or does not depend on loads in proportion; leave out the element or load that does that"
+                " it jumps there, has no bounds, or is not in proportion to loads; leave out the element or load that does that"
             )
     return replace(table, error=error, compared=len(angles), largest=largest)
