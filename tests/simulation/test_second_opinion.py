@@ -11,7 +11,7 @@ from support.generators import random_scenes
 
 import pinpress as pp
 
-SCENES = {"runs": 80, "machines": 80, "couplings": 20, "starts": 30, "batches": 30, "steady": 30, "engines": 30, "cuts": 30, "written": 40}
+SCENES = {"runs": 80, "machines": 40, "couplings": 12, "starts": 30, "batches": 12, "steady": 30, "engines": 24, "cuts": 30, "written": 40}
 REFUSED_BY_SOME: dict[str, set[int]] = {}
 """Seeds of the scenes that one method solves and another refuses: a seed may leave this list, and none may join it."""
 

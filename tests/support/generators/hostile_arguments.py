@@ -574,13 +574,13 @@ def cases(*words: str) -> Iterator[tuple[str, str, str]]:
             yield from ((name, argument, value) for argument, value in itertools.product(valid, ODD))
 
 
-def judge(name: str, argument: str, value: str) -> str | None:
-    """What is wrong with how a call takes an odd value; None if nothing is."""
-    return problem(calls()[name][0], arguments(name) | {argument: ODD[value]})
+def judge(name: str, argument: str, value: str, no_number: bool = False) -> str | None:
+    """What is wrong with how a call takes an odd value; None if nothing is. no_number: it has to be refused."""
+    return problem(calls()[name][0], arguments(name) | {argument: ODD[value]}, no_number)
 
 
-def problem(called: Callable[..., Any], given: dict[str, Any]) -> str | None:
-    """What is wrong with how arguments are taken: any exception but a refusal with a message."""
+def problem(called: Callable[..., Any], given: dict[str, Any], no_number: bool = False) -> str | None:
+    """What is wrong with how arguments are taken: any exception but a refusal with a message, or none where a number is wanted."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", pp.PinpressWarning)
@@ -592,7 +592,7 @@ def problem(called: Callable[..., Any], given: dict[str, Any]) -> str | None:
         except BaseException as error:
             place = inspect.trace()[-1]
             return f"{type(error).__name__}: {str(error)[:150]} ({Path(place.filename).name}:{place.lineno})"
-    return None
+    return "taken for a number" if no_number else None
 
 
 def main(words: list[str]) -> int:
