@@ -263,30 +263,17 @@ STATUS FMI(fmi2SetReal)(fmi2Component c, const fmi2ValueReference references[], 
 }
 
 /* There are no values of these types. */
-STATUS FMI(fmi2GetInteger)(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Integer v[])
-{
-    return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;
-}
-STATUS FMI(fmi2GetBoolean)(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2Boolean v[])
-{
-    return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;
-}
-STATUS FMI(fmi2GetString)(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[])
-{
-    return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;
-}
-STATUS FMI(fmi2SetInteger)(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Integer v[])
-{
-    return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;
-}
-STATUS FMI(fmi2SetBoolean)(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2Boolean v[])
-{
-    return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;
-}
-STATUS FMI(fmi2SetString)(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[])
-{
-    return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;
-}
+#define NO_VALUES(name, type)                                                                           \
+    STATUS FMI(name)(fmi2Component c, const fmi2ValueReference r[], size_t n, type v[])                 \
+    {                                                                                                   \
+        return (void)c, (void)r, (void)v, n ? fmi2Error : fmi2OK;                                       \
+    }
+NO_VALUES(fmi2GetInteger, fmi2Integer)
+NO_VALUES(fmi2GetBoolean, fmi2Boolean)
+NO_VALUES(fmi2GetString, fmi2String)
+NO_VALUES(fmi2SetInteger, const fmi2Integer)
+NO_VALUES(fmi2SetBoolean, const fmi2Boolean)
+NO_VALUES(fmi2SetString, const fmi2String)
 
 STATUS FMI(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *kept)
 {
@@ -417,10 +404,6 @@ STATUS FMI(fmi2GetRealOutputDerivatives)(
     (void)r, (void)order, (void)v;
     return n ? refuse((Press *)c, "@NAME@: it gives no derivatives of outputs") : fmi2OK;
 }
-STATUS FMI(fmi2GetStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Status *status)
-{
-    return (void)c, (void)kind, (void)status, fmi2Discard;
-}
 STATUS FMI(fmi2GetRealStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Real *value)
 {
     if (kind != fmi2LastSuccessfulTime)
@@ -428,15 +411,12 @@ STATUS FMI(fmi2GetRealStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Real *va
     *value = ((Press *)c)->state.time;
     return fmi2OK;
 }
-STATUS FMI(fmi2GetIntegerStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Integer *value)
-{
-    return (void)c, (void)kind, (void)value, fmi2Discard;
-}
-STATUS FMI(fmi2GetBooleanStatus)(fmi2Component c, fmi2StatusKind kind, fmi2Boolean *value)
-{
-    return (void)c, (void)kind, (void)value, fmi2Discard;
-}
-STATUS FMI(fmi2GetStringStatus)(fmi2Component c, fmi2StatusKind kind, fmi2String *value)
-{
-    return (void)c, (void)kind, (void)value, fmi2Discard;
-}
+#define NO_STATUS(name, type)                                                                           \
+    STATUS FMI(name)(fmi2Component c, const fmi2StatusKind kind, type *value)                           \
+    {                                                                                                   \
+        return (void)c, (void)kind, (void)value, fmi2Discard;                                           \
+    }
+NO_STATUS(fmi2GetStatus, fmi2Status)
+NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)
+NO_STATUS(fmi2GetBooleanStatus, fmi2Boolean)
+NO_STATUS(fmi2GetStringStatus, fmi2String)
