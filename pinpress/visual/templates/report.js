@@ -362,7 +362,7 @@ function verdict(parent, { figures }) {  // what is looked for first: value, sha
     if (compared) make("td", row, { textContent: signed(change ?? "") });
     const cell = make("td", row, { className: "use" });
     if (bar) make("meter", cell, { min: 0, max: 1, high: 0.9, optimum: 0, value: Math.min(1, use), title: bar });
-    make("small", cell, { textContent: use > 1 ? `${bar} !` : bar });
+    if (bar) make("small", cell, { textContent: use > 1 ? `${bar} !` : bar });
     make("td", row, { textContent: signed(at), className: "words" });
   }
 }
