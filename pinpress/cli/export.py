@@ -9,7 +9,7 @@ from ..common.tables import cell, fitted
 from ..export.c_source import c_code
 from ..export.fmi import fmu
 from ..export.m_file import matlab
-from ..export.tables import stands, tabulate
+from ..export.tabulation import stands, tabulate
 from ..linkage.loading import presses
 from .options import add_job_options, open_job
 

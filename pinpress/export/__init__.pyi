@@ -3,4 +3,4 @@ from .fmi import fmu as fmu
 from .m_file import matlab as matlab
 from .tables import PressTable as PressTable
 from .tables import TableState as TableState
-from .tables import tabulate as tabulate
+from .tabulation import tabulate as tabulate
