@@ -8,6 +8,7 @@ elements, and of a shaft that moves a slide) belong to no bearing: they load the
 from __future__ import annotations
 
 import contextlib
+import importlib
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -96,10 +97,9 @@ class Reactions(Tabular):
 
     @property
     def title(self) -> str:
-        from .extremes import at_peaks  # which stands on this module
-
+        extremes = importlib.import_module(".extremes", __package__)  # it stands on this module, as `described` of each result does
         with contextlib.suppress(PinpressError):  # forces that are not finite have no peaks
-            return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {at_peaks(self).reactions._in_words()}"
+            return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {extremes.at_peaks(self).reactions._in_words()}"
         return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {self._in_words()}"
 
     def _in_words(self) -> str:

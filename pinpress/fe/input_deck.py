@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +13,11 @@ from ..common.errors import PinpressError
 from ..common.files import path_of
 from ..common.quantities import Array
 
-if TYPE_CHECKING:
-    from .link_loads import LinkLoads
-
 TO_MM = 1e3  # lengths and accelerations
 NOTHING = 1e-12  # share of the largest force or moment below which a component is rounding
 
 
-def write_deck(cases: LinkLoads, path: str | os.PathLike[str], mesh: str | os.PathLike[str], nodes: Mapping[str, int]) -> None:
+def write_deck(cases: Any, path: str | os.PathLike[str], mesh: str | os.PathLike[str], nodes: Mapping[str, int]) -> None:
     """Write the file of `LinkLoads`, whose module imports this one; for the arguments see `LinkLoads.write_inp`."""
     places, elements = _read_mesh(mesh)
     for name, node in nodes.items():
@@ -43,7 +40,7 @@ def write_deck(cases: LinkLoads, path: str | os.PathLike[str], mesh: str | os.Pa
         raise PinpressError(f"{file} cannot be written: {error.strerror}") from error
 
 
-def _step(cases: LinkLoads, k: int, nodes: Mapping[str, int], middles: Mapping[int, Array]) -> Iterator[str]:
+def _step(cases: Any, k: int, nodes: Mapping[str, int], middles: Mapping[int, Array]) -> Iterator[str]:
     """The lines of a load case."""
     place = cases._press.driver_coordinates[0].at(float(np.ravel(cases.place[k])[0]))
     yield f"** case {k + 1}: {place}{', ' + cases.remark[k] if cases.remark[k] else ''}"

@@ -27,7 +27,11 @@ PRESSES = (
     "zxn2_3000b_balanced",
 )
 MODULES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress").rglob("*.py*") if path.suffix in (".py", ".pyi")}
-PAGES = {path.relative_to(ROOT).as_posix() for room in ("visual", "live") for path in (ROOT / "pinpress" / room / "templates").iterdir()}
+PAGES = {
+    path.relative_to(ROOT).as_posix()
+    for room in ("visual", "live", "export")
+    for path in (ROOT / "pinpress" / room / "templates").iterdir()
+}
 TABLES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress" / "pin_table" / "templates").glob("*.yaml")}
 SHIPPED = [f"{name}.{suffix}" for name in PRESSES for suffix in ("urdf", "yaml")]
 
