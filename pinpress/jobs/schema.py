@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import singledispatch
 from typing import Any
@@ -498,38 +498,60 @@ def _inner(value: Any) -> Any:
 def _keys(value: Any, path: str, listed: dict[int, str]) -> Iterator[str]:
     """The keys of a value at a path, and below them those of what stands at them; ``listed`` are the paths of values so far."""
     if isinstance(value, OneOf):
+        kind_of_row: dict[str, str] = {}
         for kind, part in value.kinds.items():
             summary = _of_file((part.made.__doc__ or "").partition("\n")[0])
             yield f"**`kind: {kind}`** {summary}.\n"
-            yield from _keys(part, path, listed)
+            rows = _rows(part, path)
+            yield _table(row for row in rows.values() if row not in kind_of_row)
+            repeated: dict[str, list[str]] = {}
+            for name, row in rows.items():
+                if row in kind_of_row:
+                    repeated.setdefault(kind_of_row[row], []).append(f"`{name}`")
+            if repeated:
+                yield "; ".join(f"{', '.join(names)} as of `{earlier}`" for earlier, names in repeated.items()) + ".\n"
+            kind_of_row = {**dict.fromkeys(rows.values(), kind), **kind_of_row}
+            yield from _below(part, path, listed)
     elif isinstance(value, Whichever):
         for part in value.parts.values():
             yield f"**`{part.example}`**\n"
             yield from _keys(part, path, listed)
     elif isinstance(value, Part):
-        yield _rows(value, path)
-        for name, each in value.values.items():
-            inner = _inner(each)
-            if not isinstance(inner, Part | OneOf | Whichever):
-                continue
-            below = f"{path}: {name}"
-            before = listed.setdefault(id(inner), below)
-            if before != below:
-                yield f"`{below}`: as `{before}`.\n"
-            else:
-                yield f"`{below}`\n"
-                yield from _keys(inner, below, listed)
+        yield _table(_rows(value, path).values())
+        yield from _below(value, path, listed)
 
 
-def _rows(part: Part[Any], path: str) -> str:
-    """The keys of a part as a table."""
+def _below(part: Part[Any], path: str, listed: dict[int, str]) -> Iterator[str]:
+    """The keys of the values of a part that have keys."""
+    for name, each in part.values.items():
+        inner = _inner(each)
+        if not isinstance(inner, Part | OneOf | Whichever):
+            continue
+        below = f"{path}: {name}"
+        before = listed.setdefault(id(inner), below)
+        if before != below:
+            yield f"`{below}`: as `{before}`.\n"
+        else:
+            yield f"`{below}`\n"
+            yield from _keys(inner, below, listed)
+
+
+def _table(rows: Iterable[str]) -> str:
+    lines = "\n".join(rows)
+    return f"| key | unit, default | |\n|---|---|---|\n{lines}\n" if lines else ""
+
+
+def _rows(part: Part[Any], path: str) -> dict[str, str]:
+    """The keys of a part, each as a row of a table."""
     said = {**(described(Geared) if "efficiency" in part.values else {}), **described(part.made), **SAID.get(path, {})}
     defaults = {each.name: each.default for each in in_signature(part.made)} if is_dataclass(part.made) else {}
-    rows = []
+    rows = {}
     for name, each in part.values.items():
         default = "needed" if name in part.required else _default(defaults.get(name), each)
-        rows.append(f"| `{name}` | {in_words(each)} | {default} | {said.get(name, '')} |")
-    return "| key | value | default | |\n|---|---|---|---|\n" + "\n".join(rows) + "\n" if rows else ""
+        with_unit = isinstance(each, Number) and " " in default
+        stands = default if with_unit else ", ".join(filter(None, (in_words(each), default)))
+        rows[name] = f"| `{name}` | {stands} | {said.get(name, '')} |"
+    return rows
 
 
 def _default(default: Any, value: Value) -> str:
@@ -546,9 +568,7 @@ def _default(default: Any, value: Value) -> str:
 def in_words(value: Any) -> str:
     """What stands at a key, in words."""
     value = value.each if isinstance(value, OfDriver | OfDrivers) else value
-    units = (
-        "" if not isinstance(value, Number | Numbers | Rows) else "number" if value.unit in PURE else " or ".join(usual_units(value.unit))
-    )
+    units = "" if not isinstance(value, Number | Numbers | Rows) else "number" if value.unit in PURE else usual_units(value.unit)[0]
     if isinstance(value, Rows):
         return f"points, {units}"
     if isinstance(value, Numbers):
@@ -575,5 +595,5 @@ def in_words(value: Any) -> str:
     if isinstance(value, OneOf):
         return f"kind: {', '.join(value.kinds)}"
     if isinstance(value, Whichever):
-        return " or ".join(in_words(part) for part in value.parts.values())
+        return "one of those below"
     return next((words for kind, words in names.items() if isinstance(value, kind)), "")
