@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from support import texts
 from support.generators.hostile import load_hostile
-from support.in_browser import wait
+from support.in_browser import NO_WEBGL, wait
 from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
@@ -119,6 +119,21 @@ def test_the_window_follows_its_file(open_window: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.exhaustive
+def test_a_window_without_webgl_has_its_curves(browser: Any) -> None:
+    """They follow the sliders; where the press would move the window says why it does not."""
+    with pp.view(texts.shipped("crank_slide"), 5.0, browser=False) as shown, browser.new_context() as fresh:
+        page, wrong = fresh.new_page(), list[str]()
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.add_init_script(NO_WEBGL)
+        page.goto(shown.url)
+        page.wait_for_selector("#dimensions .row", timeout=20000)
+        assert page.inner_text("#view .message").startswith("This browser cannot draw the moving press")
+        stroke = page.inner_text("#curves small >> nth=0")
+        page.evaluate("change(rows[data.dimensions.findIndex(each => each.name === 'O to P')], 90, true)")
+        wait(page, f"document.querySelector('#curves small').textContent !== {stroke!r}")
+        assert wrong == []
+
+
 def test_a_file_that_is_wrong_at_first(open_window: Any, tmp_path: Path, browser: Any) -> None:
     path = tmp_path / "own.yaml"
     path.write_text(KNUCKLE.read_text().replace("drive: O", "drive: Q"))
