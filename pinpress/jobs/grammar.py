@@ -255,19 +255,25 @@ class Section:
 
 SECTIONS: Mapping[str, Section] = {
     "file": Section(Text(), "A URDF, SDF or MJCF file or a shipped press, in place of the table of pins.", "file: robot.urdf"),
-    "drivers": Section(Names(), "Driven joints, where the file names none or others are driven.", "drivers: motor_left motor_right"),
-    "slide": Section(Text(), "The slide, the link whose motion and process force are computed, if it is not called slide.", "slide: ram"),
-    "floating": Section(Truth(), "Whether free joints of the file leave their bodies free, as that of a robot's base.", "floating: yes"),
+    "drivers": Section(
+        Names(), "Driven joints, if the file names no driver or if other joints are driven.", "drivers: motor_left motor_right"
+    ),
+    "slide": Section(
+        Text(), "Name of the slide, if it is not `slide`: the link whose motion and process force are computed.", "slide: ram"
+    ),
+    "floating": Section(Truth(), "Whether free joints of the file leave their bodies free, such as the base of a robot.", "floating: yes"),
     "pose": Section(
         Named(Place(), "{knee: 30 deg}"),
-        "Where some joints are as the linkage is put together, if its file draws it open or two assemblies meet there.",
+        "Positions of some joints when the linkage is assembled, if its file draws it open or two assemblies are possible.",
         "pose: {knee: 30 deg, rod: -5 mm}",
         by_keys=True,
     ),
     "gravity": Section(Number("m/s2"), "Gravity downwards.", "gravity: 9.81 m/s2"),
-    "zero": Section(Text(("drawn", "tdc", "bdc")), "Where crank angles are 0: as drawn, at top or bottom dead centre.", "zero: tdc"),
+    "zero": Section(
+        Text(("drawn", "tdc", "bdc")), "Where the crank angle is 0: in the drawn pose, or at top or bottom dead centre.", "zero: tdc"
+    ),
     "speed": Section(
-        OfDriver(Number("rad/s")), "Speed of the driver, negative: backwards; of one that slides its highest.", "speed: 70 r/min"
+        OfDriver(Number("rad/s")), "Speed of the driver; negative: backwards. If the driver slides: its highest speed.", "speed: 70 r/min"
     ),
     "motion": Section(
         keys("{file: motion.csv, period: 1 s}", {"file": DataFile(), "period": Number("s")}, ("file",)),
@@ -276,21 +282,23 @@ SECTIONS: Mapping[str, Section] = {
     ),
     "loads": Section(
         Named(LOADS, "{draw: {kind: drawing, force: 1500 kN, start: 40 mm}}"),
-        "What acts on the links, each by a name of its own.",
+        "Loads on the links. You choose their names.",
         "loads: {draw: {kind: drawing, force: 1500 kN, start: 40 mm}}",
     ),
     "bearings": Section(
         Named(BEARING, "{all: {friction: 0.05, diameter: 200 mm}}"),
-        "Friction, stiffness, clearance, sizes and permissible force of bearings and guides, by their names; all: of the others.",
+        "Friction, stiffness, clearance, sizes and permissible force of bearings and guides, by their names; `all` holds for the others.",
         "bearings: {all: {friction: 0.05, diameter: 200 mm}, A: {permissible: 2 MN}}",
     ),
     "motor": Section(
         OfDrivers(MOTORS, "{kind: constant, value: 567 N m}"),
-        "What drives the press; of several drivers by their names.",
+        "The motor; if there are several drivers, one for each, by their names.",
         "motor: {kind: induction, rated_power: 75 kW, rated_speed: 1485 r/min, inertia: 1.2 kg m2, ratio: 20.7}",
     ),
     "flywheel": Section(
-        OfDrivers(FLYWHEEL, "2000 kg m2"), "Flywheel at the driver joint; of several drivers by their names.", "flywheel: 6000 kg m2"
+        OfDrivers(FLYWHEEL, "2000 kg m2"),
+        "Flywheel at the driver joint; if there are several drivers, one for each, by their names.",
+        "flywheel: 6000 kg m2",
     ),
     "clutch": Section(OfDriver(CLUTCH), "Clutch between flywheel and crank.", "clutch: {torque: 60 kN m, closes: 0.2 s, rise: 50 ms}"),
     "brake": Section(OfDriver(BRAKE), "Brake on the crank.", "brake: {torque: 60 kN m, closes: 350 deg, rise: 50 ms}"),
@@ -523,7 +531,7 @@ SECTIONS: Mapping[str, Section] = {
     ),
     "variants": Section(
         Named(Named(Text(), "{r: 150}"), "{long_stroke: {r: 150}}"),
-        "Other values by names, as --set takes them.",
+        "Sets of other values, by the names of the variants; each value is written as for --set.",
         "variants: {long_stroke: {r: 150}, hard_steel: {loads.draw.force: 1900 kN}}",
     ),
 }

@@ -160,7 +160,7 @@ def test_manual_is_printed_with_contents_and_page_numbers(site: Path, browser: A
 # What users type, and the pages that answer it; the first three that the search shows must have one of them.
 QUESTIONS = {
     "install": "install start",
-    "torque curve": "motion_and_forces examples/permissible tour reference/ratings",
+    "torque curve": "motion_and_forces examples/permissible tour",
     "bearing load": "motion_and_forces examples/forces",
     "dead centre": "motion_and_forces tour",
     "instant centre": "lectures glossary",
@@ -206,7 +206,7 @@ QUESTIONS = {
     "feed window": "timing servo",
     "timing diagram": "timing",
     "motion controller": "cam_tables servo",
-    "choose a motor": "mains servo motor",
+    "choose a motor": "mains servo",
     "size of the flywheel": "mains",
     "servo motor selection": "servo examples/motor",
     "tonnage": "ratings",
