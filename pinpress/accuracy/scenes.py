@@ -69,8 +69,8 @@ class Scene:
         angle: crank angle at the start [rad].
         speed: crank speed at the start [rad/s].
         flywheel: flywheel on the crank, or before the clutch.
-        drive: drive of the crank; None where there is none.
-        clutch: clutch between flywheel and crank; None where they turn together.
+        drive: drive of the crank; None if there is none.
+        clutch: clutch between flywheel and crank; None if they turn together.
         loads: process loads.
         certifying: the two methods of simulation that make the reference.
     """

@@ -150,7 +150,7 @@ class WorkPrecision(Tabular):
         return f"WorkPrecision of {self.press_name}: {len(self.measurements)} measurements, {self.scene}, the fastest {fastest:.4g} s"
 
     def columns(self) -> dict[str, Column]:
-        """The measurements as columns, None where there is no value."""
+        """The measurements as columns, None if there is no value."""
         return self.measurements.columns()
 
     def __str__(self) -> str:

@@ -171,7 +171,7 @@ class BalancedPress(Tabular):
         return Records(CriterionChange, effects)
 
     def columns(self) -> dict[str, Column]:
-        """A row for each criterion in each operating condition, `changes` and then `side_effects`; None where there is no value."""
+        """A row for each criterion in each operating condition, `changes` and then `side_effects`; None if there is no value."""
         changes = Records(CriterionChange, (*self.changes, *self.side_effects))
         return changes.columns() | {"limit": [self.limits.get(change.criterion) for change in changes]}
 

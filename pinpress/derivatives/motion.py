@@ -52,9 +52,9 @@ class MotionSensitivity(Tabular):
             pose, closed at crank angle 0.
         v: (n, nv) of the joint rates [rad/s or m/s per unit].
         a: (n, nv) of the joint accelerations [rad/s2 or m/s2 per unit].
-        slide_position: (n,) [m per unit]; None where the linkage has no slide.
-        slide_velocity: (n,) [m/s per unit]; None where the linkage has no slide.
-        slide_acceleration: (n,) [m/s2 per unit]; None where the linkage has no slide.
+        slide_position: (n,) [m per unit]; None if the linkage has no slide.
+        slide_velocity: (n,) [m/s per unit]; None if the linkage has no slide.
+        slide_acceleration: (n,) [m/s2 per unit]; None if the linkage has no slide.
     """
 
     motion: Motion

@@ -174,8 +174,8 @@ class ReactionTangent(NamedTuple):
 
     Attributes:
         torque: (n,) of the driver, along its axis.
-        forces: (bearings, n) complex; None where bearings share forces that rigid mechanics leaves open.
-        moments: (bearings, n) about the normal; None where the forces are.
+        forces: (bearings, n) complex; None if bearings share forces that rigid mechanics leaves open.
+        moments: (bearings, n) about the normal; None if the forces are.
         shaking_force: (n,) complex.
         shaking_moment: (n,) about the world origin and the normal.
     """

@@ -57,10 +57,10 @@ class ElectricMotor(SpeedTorqueDrive):
     """Base of motors on the mains. It must define ``power`` and ``rated_slip_loss``, and overrides what differs.
 
     Attributes:
-        load_loss: losses at the rated point that grow with the square of the current, those by slip included [W]; None: those by slip
-            alone, and what comes from the mains is a lower bound.
+        load_loss: losses at the rated point that grow with the square of the current, including losses by slip [W]; None: only the
+            losses by slip count, so the power from the mains is a lower bound.
         constant_loss: losses that do not depend on the load [W].
-        rated_rise: temperature rise of the motor at the rated point for good [K]; None: not known, as its temperature then is.
+        rated_rise: final temperature rise of the motor at the rated point [K]; None: temperatures are not computed.
         thermal_time: time constant of its temperature [s]; None: not known. Of 1 to 100 s a warning says that it may be in minutes.
     """
 
@@ -90,7 +90,7 @@ class ElectricMotor(SpeedTorqueDrive):
 
     @property
     def thermal_resistance(self) -> Values | None:
-        """Rise for good by heat [K/W]; None where the rise at the rated point is not known."""
+        """Final temperature rise by heat [K/W]; None if the rise at the rated point is not known."""
         return None if self.rated_rise is None else self.rated_rise / self.rated_heat
 
     @property

@@ -66,10 +66,10 @@ class InductionMotor(ElectricMotor):
         poles: number of poles (twice that of pole pairs).
         breakdown_ratio: breakdown torque by rated torque, above 1.
         inertia: of the rotor [kg m2], or (S,).
-        load_loss: losses at the rated point that grow with the square of the current, those by slip included [W]; None: those by slip
-            alone, and what comes from the mains is a lower bound.
+        load_loss: losses at the rated point that grow with the square of the current, including losses by slip [W]; None: only the
+            losses by slip count, so the power from the mains is a lower bound.
         constant_loss: losses in iron, bearings and fan [W].
-        rated_rise: temperature rise of the motor at the rated point for good [K]; None: not known, as its temperature then is.
+        rated_rise: final temperature rise of the motor at the rated point [K]; None: temperatures are not computed.
         thermal_time: time constant of its temperature [s]; None: not known.
     """
 
@@ -161,10 +161,10 @@ class InverterMotor(ElectricMotor):
         inertia: of the rotor [kg m2], or (S,).
         inverter_efficiency: of the inverter, in both directions; at most 1.
         feeds_back: whether braking feeds the mains through the inverter, which else burns it in a resistor.
-        load_loss: losses at the rated point that grow with the square of the current, those by slip included [W]; None: those by slip
-            alone, and what comes from the mains is a lower bound.
+        load_loss: losses at the rated point that grow with the square of the current, including losses by slip [W]; None: only the
+            losses by slip count, so the power from the mains is a lower bound.
         constant_loss: losses in iron, bearings and fan [W], here at every frequency.
-        rated_rise: temperature rise of the motor at the rated point for good [K]; None: not known, as its temperature then is.
+        rated_rise: final temperature rise of the motor at the rated point [K]; None: temperatures are not computed.
         thermal_time: time constant of its temperature [s]; None: not known.
     """
 
@@ -326,8 +326,8 @@ class ServoMotor(SpeedTorqueDrive):
         constant_loss: losses of motor and controller that do not depend on torque and speed [W].
         regeneration: share of the power of braking that is used again, by other axes, the mains or a capacitor that is large enough (see
             `pinpress.servo.capacitor`); the rest is burnt in a resistor.
-        rated_rise: temperature rise of the motor that holds its permanent torque for good [K], by ``copper`` and ``constant_loss``; it
-            takes ``rated_torque``. None: not known, as its temperature then is.
+        rated_rise: final temperature rise of the motor that holds its permanent torque [K], by ``copper`` and ``constant_loss``; it
+            needs ``rated_torque``. None: temperatures are not computed.
         thermal_time: time constant of its temperature [s]; None: not known.
     """
 
@@ -410,7 +410,7 @@ class ServoMotor(SpeedTorqueDrive):
 
     @property
     def thermal_resistance(self) -> float | None:
-        """Rise for good by heat [K/W]; None where the rise at the permanent torque is not known."""
+        """Final temperature rise by heat [K/W]; None if the rise at the permanent torque is not known."""
         if self.rated_rise is None or self.rated_torque is None:
             return None
         return self.rated_rise / (self.copper * self.rated_torque**2 + self.constant_loss)

@@ -48,7 +48,7 @@ class Drive(Protocol):
         inertia: of all that turns with the shaft [kg m2]; (S,) where it differs between scenarios.
         state: values of the drive's own states at the start; () for most drives.
         timed: whether the torque depends on angle, time or states; if not, it depends on the speed alone.
-        rated_torque: permanent torque of the motor at its own shaft [N m]; (S,) where it differs; None where it is not known.
+        rated_torque: permanent torque of the motor at its own shaft [N m]; (S,) where it differs; None if it is not known.
         corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in any order; a `Corner` where the
             torque itself jumps; if ``timed`` at most standstill, where losses of gears jump.
     """

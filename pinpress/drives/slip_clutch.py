@@ -57,10 +57,10 @@ class SlipClutchMotor(ElectricMotor):
         feedback: share of the measured speed that is fed back; 1: as much as the set speed stands for; 0: the loop is open.
         residual_current: least current, as a share of the largest: what the clutch still draws along unexcited; below 1.
         excitation_power: of the largest current [W]; it goes with the square of the current.
-        load_loss: of the induction motor at the rated torque, what grows with the square of the torque [W]; None: none, and what comes
-            from the mains is a lower bound.
-        constant_loss: of the induction motor, in iron, bearings and fan [W].
-        rated_rise: temperature rise at the rated torque and the top speed for good [K]; None: not known, as its temperature then is.
+        load_loss: loss of the induction motor at the rated torque that grows with the square of the torque [W]; None: no such loss, so
+            the power from the mains is a lower bound.
+        constant_loss: losses of the induction motor in iron, bearings and fan [W].
+        rated_rise: final temperature rise at the rated torque and the top speed [K]; None: temperatures are not computed.
         thermal_time: time constant of its temperature [s]; None: not known.
     """
 

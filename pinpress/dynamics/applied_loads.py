@@ -88,7 +88,7 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion", *, warned: 
 
 def joint_efforts(press: "Linkage", engine: Engine, states: ClosedStates) -> Array | None:
     """Efforts (nv, n) that springs and dampers in the joints supply, less those that accelerate rotors (the model's armature), along the
-    joints' axes [N m, N]; None where a linkage has neither.
+    joints' axes [N m, N]; None if a linkage has neither.
 
     A joint's bearing passes on what the links that it carries need: a rotor is between the drive and the bearing.
     """
@@ -405,7 +405,7 @@ class RelativeTurn(NamedTuple):
 
 
 def relative_turn(press: "Linkage", link1: str, link2: str, what: str) -> RelativeTurn | None:
-    """How link2 turns against link1; None where it does not. ``what`` has the links, for messages.
+    """How link2 turns against link1; None if it does not. ``what`` has the links, for messages.
 
     Raises:
         UnknownNameError: a link that the linkage does not have.

@@ -202,7 +202,7 @@ def _walk(statics: _Statics, motors: Array) -> Array:
 
 
 def _settle(statics: _Statics, drivers: Array, guess: Array, most: int) -> Array | None:
-    """The closed positions (nv, n) in stable equilibrium near driver positions (drivers, n), whose motors stand; None where Newton's method
+    """The closed positions (nv, n) in stable equilibrium near driver positions (drivers, n), whose motors stand; None if Newton's method
     does not find all of them in so many steps."""
     count, units, drivers = len(statics.press.motors), statics.units[:, None], drivers.copy()
     try:

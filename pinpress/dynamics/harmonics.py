@@ -52,7 +52,7 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysi
     """Harmonics of a force over the last full period of a motion.
 
     The states of a `cycle` are equally spaced, so that sums over them are exact; other motions, such as runs, are interpolated by cubic
-    splines over the crank angle. None where the motion has no full period in one direction, the linkage has no period, or there are several
+    splines over the crank angle. None if the motion has no full period in one direction, the linkage has no period, or there are several
     drivers.
 
     Args:

@@ -28,7 +28,7 @@ class LimitUse(Record, units={"time": "s"}):
         value: the value nearest to it, or beyond it, with its sign.
         excess: by how much the value is beyond the limit; negative: what is left.
         state: index of the state.
-        time: of this state [s]; None where the states have no time.
+        time: of this state [s]; None if the states have no time.
     """
 
     joint: str

@@ -25,7 +25,7 @@ class Panels:
     Attributes:
         borders: (p + 1,) of the panels, rising [rad].
         coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel.
-        period: after which the functions come back [rad]; None where they do not.
+        period: after which the functions come back [rad]; None if they do not.
     """
 
     borders: Array

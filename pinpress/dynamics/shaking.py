@@ -56,7 +56,7 @@ class FrameEnd(NamedTuple):
         bearing: index of the bearing.
         sign: of the bearing's force there.
         point: (3,) where it acts in the drawn pose, in world axes [m].
-        along: (3,) direction in which the point travels with a guide; None where it does not.
+        along: (3,) direction in which the point travels with a guide; None if it does not.
     """
 
     bearing: int

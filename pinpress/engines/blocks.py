@@ -29,7 +29,7 @@ class Group(NamedTuple):
 def ordered_groups(
     involved: Mapping[int, Collection[int]], equation_count: Callable[[int], int], known: Collection[int], one_block: bool = False
 ) -> list[Group] | None:
-    """Groups as small as possible, ordered so that each needs only the joints of the ones before it; None where there is no such order.
+    """Groups as small as possible, ordered so that each needs only the joints of the ones before it; None if there is no such order.
 
     Args:
         involved: the joints of every loop and relation. Among equally small groups those of the first ones come first.
@@ -88,7 +88,7 @@ class _Waiting:
 
     def next_group(self) -> tuple[int, ...] | None:
         """The members of the next group: a single one if it determines its joints, else as few as possible that do so together.
-        None where there are none."""
+        None if there are none."""
         while self._ready:
             surplus, _, k = self._ready[0]
             if k in self.unknown and surplus == self.surplus(k):
@@ -97,7 +97,7 @@ class _Waiting:
         return self._smallest_group()
 
     def _smallest_group(self) -> tuple[int, ...] | None:
-        """The smallest group that determines its joints, found by trying groups; None where there is none."""
+        """The smallest group that determines its joints, found by trying groups; None if there is none."""
         count = len(self.unknown)
         for size in range(2, count + 1) if count <= FEW else (2, 3, count):
             found, fewest = None, 0

@@ -37,10 +37,10 @@ class Branch:
     Attributes:
         angles: (m + 1,) nodes over the crank angle, rising [rad].
         coefficients: (6, nv, m) coefficients of the polynomials in (crank angle - node), rising powers.
-        period: crank angle after which the linkage is back at its start [rad]; None where it locks before, or is not back after
+        period: crank angle after which the linkage is back at its start [rad]; None if it locks before, or is not back after
             `MOST_TURNS` turns.
         gain_per_period: (nv,) by how much every joint has advanced after a period [rad or m]: whole turns, 0 for a joint that swings.
-        locks: where the linkage locks, below and above the drawn pose; None where it does not.
+        locks: where the linkage locks, below and above the drawn pose; None if it does not.
         change_points: the change points that it has been followed through.
         coordinate: what the crank angle is; angles are travels [m] where the driver slides.
     """
@@ -205,7 +205,7 @@ def walk_beside(close: Close, branch: Branch, home: Array, driver: int, size: fl
         tolerance: gap at which a loop counts as closed [m].
 
     Returns:
-        The branch; None where the lengths are too different, and it has to be walked.
+        The branch; None if the lengths are too different, and it has to be walked.
     """
     if any(branch.locks) or branch.change_points or (branch.period is None and branch.coordinate.turns) or len(branch.angles) % 2 == 0:
         return None
@@ -255,7 +255,7 @@ def nodes_before(branch: Branch, angle: Array) -> Array:
 
 
 def _within_period(branch: Branch, angle: Array, ends: tuple[float, float] | None) -> tuple[Array, Array | None]:
-    """Crank angles (n,) within the table, and the periods (n,) taken off; None where there are none."""
+    """Crank angles (n,) within the table, and the periods (n,) taken off; None if there are none."""
     low, high = ends or (np.minimum.reduce(angle), np.maximum.reduce(angle))
     if branch.angles[0] <= low and high <= branch.angles[-1]:
         return angle, None
@@ -312,7 +312,7 @@ class _Walked(NamedTuple):
     Attributes:
         nodes: at rising crank angles, over a period, from lock to lock, or over `MOST_TURNS` turns.
         locks: see `Branch`.
-        gain_per_period: (nv,) see `Branch`; None where there is no period.
+        gain_per_period: (nv,) see `Branch`; None if there is no period.
         passed: change points through which the walk has gone.
     """
 
@@ -370,7 +370,7 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
     """Nodes (m + 1,) and polynomials (m, 6, nv) of `Branch`, on a finer grid than that of the walk.
 
     The new nodes are closed all at once from the walk's own polynomials; there are none next to the change points that it ``passed``, where
-    the equations fail. None where the walk was too coarse, and has to be repeated with shorter steps.
+    the equations fail. None if the walk was too coarse, and has to be repeated with shorter steps.
 
     Raises:
         AssemblyError: the loops do not stay closed.

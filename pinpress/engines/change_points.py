@@ -66,7 +66,7 @@ class ChangePoint:
 
 
 def at_change_point(points: Sequence[ChangePoint], period: float | None, angle: Array) -> int | None:
-    """Index of one of the crank angles (n,) that lies at a change point, to rounding; None where none does."""
+    """Index of one of the crank angles (n,) that lies at a change point, to rounding; None if none does."""
     for point in points:
         distance = angle - point.angle
         if period is not None:
@@ -80,7 +80,7 @@ def at_change_point(points: Sequence[ChangePoint], period: float | None, angle: 
 def cross_change_point(
     follower: Follower, nodes: list[Node], angle: float, target: float, gap: Gap
 ) -> tuple[ChangePoint, list[Node]] | None:
-    """The change point near a crank angle at which a walk to a ``target`` has ended, and nodes beyond it; None where the linkage locks."""
+    """The change point near a crank angle at which a walk to a ``target`` has ended, and nodes beyond it; None if the linkage locks."""
     direction = 1.0 if target > nodes[0].angle else -1.0
     half = min(0.3, 0.9 * abs(target - angle))  # width to each side that the polynomials cover [rad]; more would take more of their terms
     while half > 5e-3:

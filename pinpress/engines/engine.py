@@ -92,9 +92,9 @@ class ClosedStates:
         position: (nv, n) joint coordinates [rad or m].
         v: (nv, n) joint rates [rad/s or m/s].
         a: (nv, n) joint accelerations [rad/s2 or m/s2].
-        basis: (nb, n) the planar engine's basis functions, kept from closing these positions, see `planar.model`; None where the planar
+        basis: (nb, n) the planar engine's basis functions, kept from closing these positions, see `planar.model`; None if the planar
             engine did not close them.
-        solved: what the engine in space keeps from closing these positions, see `Closure`; None where it did not close them all at once.
+        solved: what the engine in space keeps from closing these positions, see `Closure`; None if it did not close them all at once.
     """
 
     position: Array

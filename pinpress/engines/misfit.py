@@ -93,7 +93,7 @@ def _poses(structure: Structure, start: Array) -> list[_Pose]:
 
 
 def _least_squares(one: OneConfiguration, structure: Structure, x: Array, misfit: float) -> _Pose | None:
-    """The pose of least squares near joint coordinates (nv,), by the steps of Gauss and Newton; None where they do not end.
+    """The pose of least squares near joint coordinates (nv,), by the steps of Gauss and Newton; None if they do not end.
 
     Args:
         one: the equations.

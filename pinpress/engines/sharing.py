@@ -85,7 +85,7 @@ def _by_squares(matrix: Array, size: Array, tolerance: float) -> tuple[Array, Ar
     """The pseudo-inverse (..., k, m) of a matrix (..., m, k) of this size (...), and orthonormal columns (..., k, j) that it takes to zero.
 
     From the normal equations, which cost a fifth of singular values, where all of these are well above rounding, or each is either large or
-    rounding; None where they are not, or where the columns differ in number.
+    rounding; None if they are not, or if the columns differ in number.
     """
     turned = matrix.swapaxes(-1, -2)
     squares = turned @ matrix
@@ -157,7 +157,7 @@ def _configurations_first(vectors: Array) -> Array:
 
 
 def compliances(stiffness: Mapping[str, float], bearings: Sequence[str]) -> Array | None:
-    """The compliances (bearings,) of bearings [m/N], zero where no stiffness is given; None where none is given at all.
+    """The compliances (bearings,) of bearings [m/N], zero where no stiffness is given; None if none is given at all.
 
     Args:
         stiffness: stiffnesses by the names of bearings [N/m].

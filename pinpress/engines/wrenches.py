@@ -50,8 +50,8 @@ class AppliedConditions(NamedTuple):
     Attributes:
         loads: forces on links.
         law: friction of the bearings; None for none.
-        compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None where no stiffness is given.
-        efforts: (nv, n) what springs, dampers and rotors in the joints supply, along the joints' axes [N m, N]; None where there are none.
+        compliance: (bearings,) compliances by which bearings share redundant forces [m/N]; None if no stiffness is given.
+        efforts: (nv, n) what springs, dampers and rotors in the joints supply, along the joints' axes [N m, N]; None if there are none.
         friction: (bearings, n) efforts of friction that are known, in place of a law; None for none.
     """
 

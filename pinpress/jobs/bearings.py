@@ -164,7 +164,7 @@ def elastic_of(
 
     Args:
         press: the press.
-        drawn: the press as its table draws it; None where it comes from another file.
+        drawn: the press as its table draws it; None if it comes from another file.
         bearings: what is said of its bearings.
         elastic: damping ratio, shaft, columns and crown of the section ``elastic``.
         frame: gives the frame on its mounts, as arguments of `Elastic`.

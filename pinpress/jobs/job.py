@@ -151,7 +151,7 @@ class Job(Frozen):
         as_drawn: the press as its file draws it.
         sections: name of a section that the job has -> what stands in it, with numbers in SI units.
         source: the entries from which it was read.
-        drawn: the press as its table draws it; None where it comes from another file.
+        drawn: the press as its table draws it; None if it comes from another file.
         files: files that were read -> their SHA-256.
     """
 
@@ -184,7 +184,7 @@ class Job(Frozen):
 
     @property
     def speed(self) -> float | None:
-        """Speed of the driver [rad/s], of one that slides [m/s]; None where a motion is given, or neither."""
+        """Speed of the driver [rad/s], of one that slides [m/s]; None if a motion is given, or neither."""
         speed: float | None = self.sections.get("speed")
         return speed
 
@@ -229,7 +229,7 @@ class Job(Frozen):
 
     @cached_property
     def header(self) -> Header | None:
-        """Title and title block of the page; None where the job says nothing of them."""
+        """Title and title block of the page; None if the job says nothing of them."""
         given = self.sections.get("report", {})
         parts = {each.name: given[each.name] for each in fields(Header) if each.name in given}
         with self._naming("report"):
@@ -260,7 +260,7 @@ class Job(Frozen):
 
     @cached_property
     def mounted(self) -> MountedPress | None:
-        """The press on its mounts; None where it has no foundation."""
+        """The press on its mounts; None if it has no foundation."""
         if "foundation" not in self.sections:
             return None
         from ..foundation.mounted_press import mounted  # seldom needed

@@ -66,12 +66,12 @@ class Source:
 
     @property
     def table(self) -> Entry | None:
-        """The table of pins; None where the press comes from another file."""
+        """The table of pins; None if the press comes from another file."""
         own = {key: _of_table(each) for key, each in self.items.items() if key in OF_TABLE}
         return None if "file" in self.items else Entry(own, self.file, None, (), PIN_TABLE)
 
     def drawn(self) -> DrawnPress | None:
-        """The press as its table draws it, with the parameters that were changed; None where the press comes from another file."""
+        """The press as its table draws it, with the parameters that were changed; None if the press comes from another file."""
         given = {each.path.partition(".")[2]: each.now for each in self.changes if each.path.startswith("parameters.")}
         drawn = None if self.table is None else drawn_from(self.table)
         return drawn and replace(drawn, _given=tuple(f"{name}={value}" for name, value in given.items()))

@@ -96,7 +96,7 @@ class Facts(Record):
         rank: number of those that are independent in the drawn pose.
         freedoms: that no motor determines, see `Linkage.freedoms`.
         mobility: degrees of freedom.
-        engine: that computes it, "plane" or "space"; None where it cannot be loaded.
+        engine: that computes it, "plane" or "space"; None if it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
         bearings: joints and loops in the order of the drawing, see `Linkage.bearings_as_drawn`.
         data: stroke, dead centres, masses and the like.
@@ -136,7 +136,7 @@ class CheckResult(Tabular):
     Attributes:
         file: path of the URDF.
         findings: errors first, the one that `load` raises in front, then warnings, then notes.
-        facts: None where the errors leave open what the elements make.
+        facts: None if the errors leave open what the elements make.
         elements: what the file has in it, in words, where there are no facts.
     """
 
@@ -165,7 +165,7 @@ class CheckResult(Tabular):
         return f"CheckResult of {self.file}: {_count_findings(self)}"
 
     def columns(self) -> dict[str, Column]:
-        """The findings as columns, None where one has no line."""
+        """The findings as columns, None if one has no line."""
         return self.findings.columns()
 
     def __str__(self) -> str:

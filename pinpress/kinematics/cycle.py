@@ -170,7 +170,7 @@ def moved(
 class _Constants(NamedTuple):
     """What motions along a branch need of a linkage with one driver, together because every access to a linkage compares its model.
 
-    ``turns`` is `Linkage.turns_until_back` where the branch has a period; ``chain`` is None where the linkage is no chain of dyads.
+    ``turns`` is `Linkage.turns_until_back` where the branch has a period; ``chain`` is None if the linkage is no chain of dyads.
     """
 
     fixed: SharedByMotions

@@ -60,7 +60,7 @@ class DriverMotion:
         angle: (n,) of one driver, (n, drivers) of several, as speed and acceleration [rad or m].
         speed: [rad/s or m/s].
         acceleration: [rad/s2 or m/s2].
-        time: (n,) [s]; None where the states are no motion in time.
+        time: (n,) [s]; None if the states are no motion in time.
     """
 
     angle: Array
@@ -356,7 +356,7 @@ def _refuse_wrap(angles: Array) -> None:
 
 
 def _times(angles: Array, speeds: Array) -> Array | None:
-    """Time (n,) from 0, such that the integrals of the speeds are the angles; None where angles and speeds do not belong together.
+    """Time (n,) from 0, such that the integrals of the speeds are the angles; None if angles and speeds do not belong together.
 
     The trapezoidal rule gives first steps of time. Each is then multiplied by the ratio of its angle to that of the quintic spline through
     the speeds, until no step changes any more. Near a standstill with little acceleration the two rules differ, because hardly anything
@@ -468,7 +468,7 @@ def _refuse(
 
 
 def _contradiction(timing: _Timing, value: Array, rate: Array, bend: Array | None, advance: Array | float = 0.0) -> _Contradiction | None:
-    """Where a column (n,) or (n, drivers) does not have the rate that is given, beyond what sampling and noise explain; None where it has.
+    """Where a column (n,) or (n, drivers) does not have the rate that is given, beyond what sampling and noise explain; None if it has.
 
     ``bend`` is the derivative of the rate, where it is given.
     """

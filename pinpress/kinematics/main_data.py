@@ -32,7 +32,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
         rotation: sense in which each driver turns at a positive speed, see `sense_of_rotation`.
         stroke: distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
         forward_share: share of the time in which the slide makes its way from top to bottom dead centre, or its ways, at a constant
-            positive speed [-]; None where the driver slides.
+            positive speed [-]; None if the driver slides.
         drawn_height: height of the slide above bottom dead centre in the drawn pose [m].
         tool: where process forces act on the slide, as text.
         dead_centres: where the slide turns back.

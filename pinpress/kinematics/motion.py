@@ -56,7 +56,7 @@ class Motion(Tabular):
             `Linkage.slide_direction`) [m]. Reading it, or velocity or acceleration, raises PinpressError where the linkage has no slide.
         slide_velocity: (n,) velocity of the slide in this direction [m/s].
         slide_acceleration: (n,) acceleration of the slide in this direction [m/s2].
-        period_turns: turns of the crank in a period, see `Linkage.period_turns`; None where the linkage has no period, or several drivers.
+        period_turns: turns of the crank in a period, see `Linkage.period_turns`; None if the linkage has no period, or several drivers.
         valid: (n,) bool: whether the drivers bring the linkage into each state. In the others, which only `servo_cycle` with
             ``on_singular="nan"`` makes, all but the coordinates, rates and accelerations of the drivers is NaN.
         reasons: why the first state of each stretch of such states is not reached.
@@ -211,7 +211,7 @@ def of_states(
         v: (nv, n) joint rates [rad/s or m/s].
         a: (nv, n) joint accelerations [rad/s2 or m/s2].
         gap: (n,) largest gaps of a loop [m].
-        times: (n,) [s], None where the states have no time.
+        times: (n,) [s], None if the states have no time.
         period_turns: turns of the crank in a period, None for none.
     """
     return motion_of_states(shared_by_motions(press), position, v, a, gap, times, period_turns)

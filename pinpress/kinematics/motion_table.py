@@ -78,7 +78,7 @@ def _names(press: Linkage, order: int) -> list[tuple[str, ...]]:
 
 
 def _rates(press: Linkage, table: Channels, order: int) -> Array | None:
-    """Coordinates, speeds or accelerations of all drivers, (n,) of one and (n, drivers) of several; None where the table lacks any."""
+    """Coordinates, speeds or accelerations of all drivers, (n,) of one and (n, drivers) of several; None if the table lacks any."""
     columns = []
     for names, coordinate in zip(_names(press, order), press.driver_coordinates, strict=True):
         name = next((name for name in names if name in table.columns), None)

@@ -31,7 +31,7 @@ class CrankMotion(Protocol):
     Attributes:
         crank_angle: (n,) [rad].
         crank_speed: (n,) [rad/s].
-        period_turns: turns of the crank in a period, None where there is no period.
+        period_turns: turns of the crank in a period, None if there is no period.
     """
 
     @property

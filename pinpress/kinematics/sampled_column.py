@@ -35,7 +35,7 @@ class SampledColumn:
     Attributes:
         time: (n,) rising [s].
         values: (n,) or (n, drivers).
-        period: time after which the values repeat themselves [s], more than the time from first to last state; None where they do not.
+        period: time after which the values repeat themselves [s], more than the time from first to last state; None if they do not.
         advance: growth of the values over the period, a number or (drivers,).
     """
 

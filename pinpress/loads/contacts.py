@@ -166,7 +166,7 @@ def _push(touching: float, sense: int, spring: Any, height: Any, velocity: Any) 
 
 
 def _spring_and_damper(touching: float, sense: int, spring: Any, damping: Any, growth: float | None, height: Any, velocity: Any) -> Any:
-    """Force of spring and damper; ``growth``: depth over which the damper grows by the cubic of STEP, None where it is full."""
+    """Force of spring and damper; ``growth``: depth over which the damper grows by the cubic of STEP, None if it is full."""
     depth = sense * (touching - height)
     if growth is not None:
         share = depth / growth

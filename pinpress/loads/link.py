@@ -258,7 +258,7 @@ class Friction(Checked):
 
 
 def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
-    """The friction of a linkage's bearings, with the losses of its contacts; None where there is neither.
+    """The friction of a linkage's bearings, with the losses of its contacts; None if there is neither.
 
     Raises:
         UnknownNameError: the linkage does not have a bearing of that name.

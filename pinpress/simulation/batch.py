@@ -81,7 +81,7 @@ class RunBatch(Tabular):
 
     @cached_property
     def slide_position(self) -> Array | None:
-        """(n, S) along the guide's axis [m]; None where there is no slide."""
+        """(n, S) along the guide's axis [m]; None if there is no slide."""
         press = self._scenarios.press
         if press.slide is None:
             return None

@@ -68,7 +68,7 @@ def coupling_at_start(coupling: Coupling | None, angle: float, speed: float, rel
     """Mode of a coupling at the start.
 
     Args:
-        coupling: the coupling; None where the press has none.
+        coupling: the coupling; None if the press has none.
         angle: of the crank [rad].
         speed: of the crank [rad/s].
         relative: speed of the coupling's other side less that of the crank [rad/s].

@@ -353,7 +353,7 @@ class DrivenPress:
 
     @cached_property
     def bearing_model(self) -> BearingModel | None:
-        """The bearings with their friction; None where there is none. Raises as `build_bearing_model`."""
+        """The bearings with their friction; None if there is none. Raises as `build_bearing_model`."""
         if self.friction is None:
             return None
         unit_forces = [partial(coordinate.unit_force, self.press) for coordinate in self.coordinates]
@@ -634,7 +634,7 @@ def _turned_by(press: Linkage, turn: applied_loads.RelativeTurn | None, moment: 
 
 
 def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None:
-    """The force of a process load; None where it acts nowhere."""
+    """The force of a process load; None if it acts nowhere."""
     rising, falling = tuple(load.intervals(downwards=False)), tuple(load.intervals(downwards=True))
     if not rising and not falling:
         return None

@@ -64,11 +64,11 @@ class MotorDuty(Record, units=UNITS):
         recovery_time: time from the lowest speed to the highest, if the part were periodic [s].
         motor_rms: root mean square of the motor's torque at its own shaft [N m].
         motor_peak: largest size of the motor's torque at its own shaft [N m].
-        utilisation: rms by rated torque; at 1 the motor is as warm as it may be for good. None where no rated torque is known.
-        mains_work: energy from the mains [J]; None where the drive is no motor whose losses are known.
+        utilisation: rms by rated torque; at 1 the motor is as warm as it may be for good. None if no rated torque is known.
+        mains_work: energy from the mains [J]; None if the drive is no motor whose losses are known.
         slip_loss: of it lost by slip, in the rotor or in the slip clutch [J]; None in the same case.
         efficiency: work of the drive by that from the mains; None in the same case, and if one of them is not positive.
-        settled_rise: temperature rise of the motor if the part is repeated for good [K]; None where its time constant is not known.
+        settled_rise: temperature rise of the motor if the part is repeated for good [K]; None if its time constant is not known.
     """
 
     start: float

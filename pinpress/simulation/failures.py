@@ -85,8 +85,8 @@ def failure(reason: str, time: float | None = None, crank_angle: float | None = 
 
     Args:
         reason: a key of the table.
-        time: of the failure [s]; None where it belongs to no instant.
-        crank_angle: at the failure [rad]; None where it belongs to none.
+        time: of the failure [s]; None if it belongs to no instant.
+        crank_angle: at the failure [rad]; None if it belongs to none.
         details: values for the gaps in the sentence.
     """
     return SimulationError(REASONS[reason].format(**details), time, crank_angle, reason)

@@ -49,8 +49,8 @@ class EnergyFlow(Tabular):
             "heat" of slip, load and constant loss that warms the motor. With a direct-current link also that into its "capacitor",
             negative where it gives power, and the "resistor" is also that of the link.
         work: (n,) the same since the start of the run [J].
-        strokes: number of strokes in the run; None where the slide has none.
-        temperature_rise: (n,) of the motor above its surroundings [K]; None where its rise at the rated point or its time constant is not
+        strokes: number of strokes in the run; None if the slide has none.
+        temperature_rise: (n,) of the motor above its surroundings [K]; None if its rise at the rated point or its time constant is not
             known.
         settled_rise: to which it would settle, if the run were repeated for good [K].
         voltage: (n,) of the direct-current link [V]; None without one.
@@ -72,12 +72,12 @@ class EnergyFlow(Tabular):
 
     @property
     def work_per_stroke(self) -> float | None:
-        """From the mains [J]; None where there is no stroke."""
+        """From the mains [J]; None if there is no stroke."""
         return None if not self.strokes else float(self.work["mains"][-1]) / self.strokes
 
     @property
     def efficiency(self) -> float | None:
-        """Work of the drive on the crank by that from the mains; None where one of them is not positive."""
+        """Work of the drive on the crank by that from the mains; None if one of them is not positive."""
         from_mains, on_crank = float(self.work["mains"][-1]), float(self.work["drive"][-1])
         return on_crank / from_mains if from_mains > 0 and on_crank > 0 else None
 
@@ -112,7 +112,7 @@ class MotorUse:
         mains: (m, nodes) power that the motor takes, at the nodes of the quadrature between them [W].
         work: (flows, n) the `FLOWS` since the first instant [J].
         elapsed: (n,) time since the first instant, in time constants of the motor's temperature.
-        rise: (n,) rise by the heat since the first instant [K]; None where it is not known.
+        rise: (n,) rise by the heat since the first instant [K]; None if it is not known.
     """
 
     edges: Array

@@ -42,7 +42,7 @@ class ReducedModel(Panels):
         borders: (p + 1,) of the panels, rising [rad].
         coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel. Rows are inertia [kg m2], potential energy about the middle
             of its range [J], its derivative by the crank angle [N m], coordinates [m].
-        period: crank angle after which all repeats itself, but for the ``gains`` [rad]; None where the crank cannot turn that far.
+        period: crank angle after which all repeats itself, but for the ``gains`` [rad]; None if the crank cannot turn that far.
         gains: (rows,) by how much each row has grown after a period: a slide on a screw or a rack does not come back, nor does the angle of
             a joint with a spring.
         evaluations: states of the linkage that were computed.

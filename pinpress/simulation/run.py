@@ -50,7 +50,7 @@ class Stats(Record, units={"wall_time": "s", "closure_error": "m"}):
         energy_error: largest difference between the energy of the states returned, computed body by body, and the works of drive and loads,
             as a share of the largest of the kinetic energy, the works and 1e-6 of the potential energy.
         sensitivity: factor by which the crank angle moves more than the start, moved by an angle, or by a speed times the duration, where
-            the run passes close to an unstable rest; None where it does not.
+            the run passes close to an unstable rest; None if it does not.
     """
 
     method: str
@@ -78,7 +78,7 @@ class Run(Motion):
         motor_squared: (n,) integral of the motor torque squared over time since the start [N2 m2 s].
         problem: what was simulated.
         trajectory: the whole solution; ``trajectory.at(times)`` gives the states at any times (m,).
-        constraint_solution: which algorithm found the accelerations, why, and its settings; None where the crank alone was integrated.
+        constraint_solution: which algorithm found the accelerations, why, and its settings; None if the crank alone was integrated.
     """
 
     stats: Stats
@@ -100,7 +100,7 @@ class Run(Motion):
 
     @property
     def jumps(self) -> Array | None:
-        """Instants within the run at which a load or the drive may not be smooth [s]; None where only its states are known."""
+        """Instants within the run at which a load or the drive may not be smooth [s]; None if only its states are known."""
         jumps = self.trajectory.jumps
         return np.asarray(jumps[(jumps > 0.0) & (jumps < self.time[-1])])
 

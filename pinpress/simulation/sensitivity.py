@@ -20,7 +20,7 @@ from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
 
 def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
-    """By what factor the crank angle of a run moves more than its start; None where the run keeps clear of an unstable rest."""
+    """By what factor the crank angle of a run moves more than its start; None if the run keeps clear of an unstable rest."""
     driven, press = problem.driven, problem.driven.press
     if len(press.drivers) > 1 or press.branch_through_change_points.period is None or driven.prescribed is not None:
         return None

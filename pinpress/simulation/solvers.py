@@ -186,7 +186,7 @@ class OverTime:
 
 
 def _end_at(model: ReducedModel, angle: float) -> float | None:
-    """The end of a model without a period at which a crank angle is, or beyond which; None where it is at none."""
+    """The end of a model without a period at which a crank angle is, or beyond which; None if it is at none."""
     low, high = float(model.borders[0]), float(model.borders[-1])
     # Steps over time that find no way on this near to the end of the range have come to the lock.
     margin = 1e-5 * (high - low)
@@ -228,7 +228,7 @@ def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]
 
 def _repeat_swing(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
     """Follow a crank that swings to and fro, under forces that do not depend on its speed, for one swing, to a tolerance relative to the
-    swing, and repeat that to the end. None where the crank does not come back."""
+    swing, and repeat that to the end. None if the crank does not come back."""
     from .over_time.time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]

@@ -206,7 +206,7 @@ def _refuse_without_steady_state(driven: DrivenPress, given: object, near: float
 
 
 def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory | None:
-    """The periodic solution over the crank angle; None where it is not found: the drive may be too stiff, or there may be none.
+    """The periodic solution over the crank angle; None if it is not found: the drive may be too stiff, or there may be none.
 
     Raises:
         SimulationError: nothing depends on the speed.
@@ -241,7 +241,7 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
 
 
 def _periodic(driven: DrivenPress, mesh: AngleMesh, energy: Array, guess: Array, tolerance: float) -> CollocationSolution | None:
-    """The periodic solution on as many panels as it takes; None where it is not found.
+    """The periodic solution on as many panels as it takes; None if it is not found.
 
     Args:
         driven: what is simulated.
@@ -269,7 +269,7 @@ def _energies(driven: DrivenPress, mesh: AngleMesh, speeds: Array) -> Array:
 
 
 def _bounds(tried: CollocationSolution, speeds: Array, speed: float) -> Indices | None:
-    """Indices (2,) of the two speeds about the steady state nearest to ``speed``; None where there are none.
+    """Indices (2,) of the two speeds about the steady state nearest to ``speed``; None if there are none.
 
     From the lower one a period speeds the press up, from the higher one it slows the press down.
 
@@ -313,7 +313,7 @@ def _no_steady_state(speed: float) -> SimulationError:
 
 
 def _shoot(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:
-    """A few periods to come near the steady state, then Newton's method on what a period makes of speed and states; None where it fails.
+    """A few periods to come near the steady state, then Newton's method on what a period makes of speed and states; None if it fails.
 
     Args:
         driven: what is simulated.

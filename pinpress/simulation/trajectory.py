@@ -87,7 +87,7 @@ class Segment(Protocol):
 
     @property
     def standing(self) -> float | None:
-        """Time since which the press stands at the end, held by loads [s]; None where it does not stand."""
+        """Time since which the press stands at the end, held by loads [s]; None if it does not stand."""
         ...
 
     def at(self, times: Array, complete: bool = True) -> Sample:
@@ -120,7 +120,7 @@ class Trajectory:
 
     @property
     def standing(self) -> float | None:
-        """Time since which the press stands at the end of the run, held by loads [s]; None where it does not stand."""
+        """Time since which the press stands at the end of the run, held by loads [s]; None if it does not stand."""
         return self.segments[-1].standing
 
     @property

@@ -29,7 +29,7 @@ from ..wrenches import ORIGIN, AppliedConditions, AppliedForce, BearingLoads, Id
 
 
 def friction_law(arm: Array, viscous: Array, preload: Array, structure: Structure) -> FrictionLaw | None:
-    """The friction of bearings, (bearings,) each as in `FrictionLaw`, and of the contacts; None where there is none."""
+    """The friction of bearings, (bearings,) each as in `FrictionLaw`, and of the contacts; None if there is none."""
     rubbings, pushing = list(_rubbings(structure)), list(_pushing(structure))
     rubs = any(rubbing.forward or rubbing.backward for _, rubbing in rubbings)
     if not (arm.any() or viscous.any() or rubs):

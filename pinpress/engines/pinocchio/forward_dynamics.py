@@ -64,7 +64,7 @@ class ForwardDynamics:
     time.
 
     Attributes:
-        quick: what `constraintDynamics` takes; None where it does not suit the linkage.
+        quick: what `constraintDynamics` takes; None if it does not suit the linkage.
         why: words why it is or is not.
         ends: the points at which loops are held.
         quickly: number of accelerations so far that it found.
@@ -181,7 +181,7 @@ class ForwardDynamics:
         return self.acceleration_in_null_space(x, v, efforts)
 
     def _geared(self, x: Array, without: Array) -> Array | None:
-        """Joint accelerations (nv,) that keep the ratios of gear pairs, from those ``without`` gear pairs; None where rounding would be
+        """Joint accelerations (nv,) that keep the ratios of gear pairs, from those ``without`` gear pairs; None if rounding would be
         seen in them."""
         assert self.quick is not None
         _, _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
@@ -385,7 +385,7 @@ class ForwardDynamics:
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
     def _proximal(self, closed: Array, ends: list[PointPair], mass: Array) -> tuple[Proximal | None, str]:
-        """What `constraintDynamics` takes, None where it does not suit the linkage, and why."""
+        """What `constraintDynamics` takes, None if it does not suit the linkage, and why."""
         if not ends:
             return None, "no loops"
         if self.structure.misfit:
@@ -456,7 +456,7 @@ class Proximal(NamedTuple):
             inertias of the open tree.
         bounds: (point rows + nv,) above which a pivot is clearly not zero.
         gears: (relations, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
-        least: eigenvalue of J M^-1 J' above which a row is clearly held, where loops hold each other [1 / kg]; None where pivots decide.
+        least: eigenvalue of J M^-1 J' above which a row is clearly held, where loops hold each other [1 / kg]; None if pivots decide.
     """
 
     largest: float

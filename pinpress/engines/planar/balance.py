@@ -337,7 +337,7 @@ class IdleForces(NamedTuple):
 
 
 def idle_forces(statics: Statics, configurations: Configurations) -> IdleForces | None:
-    """The idle forces; None where no equation is redundant."""
+    """The idle forces; None if no equation is redundant."""
     count, n = sum(block.redundant for block in statics.blocks), len(configurations.functions[statics.functions.rows[0]])
     if not count:
         return None

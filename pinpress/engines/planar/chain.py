@@ -36,7 +36,7 @@ class Equation(NamedTuple):
 
     Attributes:
         loop: index of the loop.
-        constant: what does not move [m]; None where it is zero.
+        constant: what does not move [m]; None if it is zero.
         terms: rows and coefficients of the functions of the driver and of earlier dyads.
         dyad: the dyad, or a lever.
     """
@@ -299,7 +299,7 @@ def _build_chain(equations: Equations, drawn: ComplexArray) -> Chain | None:
 
 
 def _find_gears(equations: Equations) -> tuple[Gear, ...] | None:
-    """The shafts of a linkage that are geared to the driver; None where gears turn anything else, or a driver that slides."""
+    """The shafts of a linkage that are geared to the driver; None if gears turn anything else, or a driver that slides."""
     functions, plane = equations.functions, equations.functions.plane
     turning = {plane.driver: (1.0, 0.0)}  # by joint its angle: a ratio to that of the driver, and an offset
     gears = []
@@ -323,7 +323,7 @@ def _find_gears(equations: Equations) -> tuple[Gear, ...] | None:
 def _build_dyad(
     functions: Functions, coefficients: Mapping[int, ComplexArray], unknown: Sequence[int], drawn: ComplexArray, side: complex
 ) -> Dyad | None:
-    """The dyad that determines these rows; None where it has no closed form.
+    """The dyad that determines these rows; None if it has no closed form.
 
     Args:
         functions: rows of the functions.

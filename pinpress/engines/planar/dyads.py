@@ -173,7 +173,7 @@ class Guide(NamedTuple):
     Attributes:
         way: row of the function that is the way along it, times its rotor.
         direction: its direction in the drawn pose.
-        rotor: row of the rotor that turns it; None where it does not turn.
+        rotor: row of the rotor that turns it; None if it does not turn.
     """
 
     way: int

@@ -41,7 +41,7 @@ class PlanarEngine:
 
     @staticmethod
     def of(structure: Structure, one_block: bool) -> PlanarEngine | None:
-        """The engine of a linkage with one driver; None where the linkage is not planar. ``one_block``: solve all equations together."""
+        """The engine of a linkage with one driver; None if the linkage is not planar. ``one_block``: solve all equations together."""
         plane = build_plane(structure, one_block)
         return None if plane is None else PlanarEngine(plane, structure)
 

@@ -22,7 +22,7 @@ class Functions:
         ones: rows that are 1.
         count: number of rows.
         order: (nb,) rows in the order of the basis of `Plane`.
-        guides: by row of a way that of the rotor of its guide, None where this does not turn.
+        guides: by row of a way that of the rotor of its guide, None if this does not turn.
     """
 
     def __init__(self, plane: Plane) -> None:
@@ -47,7 +47,7 @@ class Functions:
 
     @cached_property
     def outer(self) -> tuple[int | None, ...]:
-        """(nv,) of every joint that turns the row of the rotor that turns its frame; None where none does, and of joints that slide."""
+        """(nv,) of every joint that turns the row of the rotor that turns its frame; None if none does, and of joints that slide."""
         return tuple(
             self.order[carrier] if sense and (carrier := self.plane.rotor(parent)) else None
             for parent, sense in zip(self.plane.parents, self.plane.sense, strict=True)

@@ -27,7 +27,7 @@ class GuidedBody(NamedTuple):
 
     Attributes:
         joint: the guide.
-        rotor: row of the rotor that turns the link; None where none does.
+        rotor: row of the rotor that turns the link; None if none does.
         inertia: its moment of inertia about its centre of mass [kg m2].
         center: centre of mass from the origin of the guide's joint [m].
         arms: by bearing the arm from the centre of mass, with its sign changed where the bearing's force acts on the link, not by it.

@@ -126,7 +126,7 @@ class Balanced(NamedTuple):
     Attributes:
         statics: constants of the linkage.
         configurations: the configurations.
-        idle: their idle forces, which are shared; None where there are none, or no bearings are asked for.
+        idle: their idle forces, which are shared; None if there are none, or no bearings are asked for.
         compliance: (bearings,) as in `AppliedConditions`.
         efforts: (nv, n) as in `AppliedConditions`.
     """

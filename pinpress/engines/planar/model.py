@@ -223,7 +223,7 @@ def put_normal(plane: Plane, values: Array, out: Array) -> None:
 def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
     """Constants of a linkage with one driver.
 
-    None where the linkage is not planar, where a curve relates its joints, or where its equations do not fall into blocks with as many
+    None if the linkage is not planar, if a curve relates its joints, or if its equations do not fall into blocks with as many
     unknown joints as equations, or fewer.
 
     Args:
@@ -300,7 +300,7 @@ def build_plane(structure: Structure, one_block: bool = False) -> Plane | None:
 
 
 def _find_normal(structure: Structure, place: Sequence[pin.SE3], directions: Sequence[Array]) -> Array | None:
-    """The normal of the plane in which a linkage moves; None where it is not planar, or no joint turns.
+    """The normal of the plane in which a linkage moves; None if it is not planar, or no joint turns.
 
     It is the axis of the driver, or of the first joint that turns where the driver slides.
 
@@ -398,7 +398,7 @@ def ordered_blocks(
 ) -> tuple[Block, ...] | None:
     """The equations in blocks as small as possible, ordered so that each needs only the joints of the ones before it.
 
-    Among equally small blocks those without redundant equations come first. None where there is no such order.
+    Among equally small blocks those without redundant equations come first. None if there is no such order.
 
     Args:
         between: of every loop the joints between its ends.

@@ -39,7 +39,7 @@ def is_loaded(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
 
 
 def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array | None:
-    """Forces (bearings, n) of all bearings along the normal [N]; None where nothing acts along it. ``compliance`` as in
+    """Forces (bearings, n) of all bearings along the normal [N]; None if nothing acts along it. ``compliance`` as in
     `AppliedConditions`, ``n`` states."""
     plane = bodies.plane
     along = [(load.joint - 1, load.force @ plane.normal) for load in loads if load.joint]

@@ -62,7 +62,7 @@ class Blocks(Frozen):
 
 
 def build_blocks(places: NDArray[np.intp], values: Array, members: NDArray[np.intp], passive: NDArray[np.intp]) -> Blocks | None:
-    """The blocks of a linkage; None where there are fewer equations than joints.
+    """The blocks of a linkage; None if there are fewer equations than joints.
 
     Args:
         places: (2, ne) equation and joint of every entry of the Jacobian, see `Loops.entries`.

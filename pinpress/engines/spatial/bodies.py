@@ -33,7 +33,7 @@ class Bodies(Frozen):
         placement: (nv, 4, 3) of a joint in its parent's frame: the axes of its frame, of `aligned` where there is one, in cyclic order with
             the joint's own axis last; then its origin [m].
         along: (nv,) which axis of this frame is the joint's.
-        aligned: (nv, 3, 3) the joint's frame from the frame of its placement, where the joint has none of its own frame's axes; None where
+        aligned: (nv, 3, 3) the joint's frame from the frame of its placement, where the joint has none of its own frame's axes; None if
             it has.
         mass: (nv,) masses [kg].
         lever: (nv, 3) centres of mass in the joint's frame [m].

@@ -73,7 +73,7 @@ class Loops(Frozen):
 
     @cached_property
     def blocks(self) -> Blocks | None:
-        """The order in which the equations are solved; None where there are fewer of them than passive joints, and where they contradict
+        """The order in which the equations are solved; None if there are fewer of them than passive joints, and if they contradict
         each other: all of them together have one least-squares solution."""
         structure, count = self.structure, len(self.structure.loops)
         if structure.misfit:

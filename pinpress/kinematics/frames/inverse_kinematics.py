@@ -121,7 +121,7 @@ class _Reaching(Mounting):
         return self.close(x, self.resting)
 
     def find(self, x: Array, target: pin.SE3) -> Array | None:
-        """Joint coordinates (nv,) with the frame in the target, to which a way leads from these; None where none is found."""
+        """Joint coordinates (nv,) with the frame in the target, to which a way leads from these; None if none is found."""
         if (reached := self.go(x, target, HALVINGS)) is not None:
             return reached
         random = np.random.default_rng(0)
@@ -145,7 +145,7 @@ class _Reaching(Mounting):
         return None if middle is None else self.go(middle, target, halvings - 1)
 
     def led(self, x: Array, after: Array, target: pin.SE3) -> Array | None:
-        """Where the drivers lead on a straight line between two poses (nv,); None where the frame then misses the target."""
+        """Where the drivers lead on a straight line between two poses (nv,); None if the frame then misses the target."""
         drivers, structure = list(self.structure.drivers), self.structure
         try:
             if len(drivers) > 1:

@@ -238,13 +238,13 @@ class _March:
         return None
 
     def _passing(self, times: Array, values: Array, k: int, border: Event) -> _Passing | None:
-        """The passage of a border by values (n,) at times (n,) between the last one and number k; None where they do not pass it."""
+        """The passage of a border by values (n,) at times (n,) between the last one and number k; None if they do not pass it."""
         before, after = values[k - 1] - border.value, values[k] - border.value
         share = crossing(before, after)
         return None if share is None else _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), border, after - before)
 
     def _vanishing(self, times: Array, margin: Array, k: int, event: TrainEvent) -> _Passing | None:
-        """The event of the drive train whose margin (n,) falls below zero before number k; None where it does not."""
+        """The event of the drive train whose margin (n,) falls below zero before number k; None if it does not."""
         if margin[k] >= 0 or margin[k - 1] < 0:
             return None
         share = margin[k - 1] / (margin[k - 1] - margin[k])

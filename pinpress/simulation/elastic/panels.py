@@ -214,7 +214,7 @@ class Ends(NamedTuple):
 def solve(
     equations: EquationsOfMotion, guess: PanelSolution, border: Ends, tolerance: float, most: int, divided_above: float = np.inf
 ) -> PanelSolution | None:
-    """The motion near a guess by Newton's method; None where it does not converge.
+    """The motion near a guess by Newton's method; None if it does not converge.
 
     Args:
         equations: of motion.

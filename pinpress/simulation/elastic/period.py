@@ -80,7 +80,7 @@ def periodic(task: Task, start: float) -> ElasticSolution:
 def periodic_near(task: Task, start: float, near: ElasticSolution) -> ElasticSolution | None:
     """The motion of `periodic` of a crank at a constant speed, by that at another speed.
 
-    Where both differ little, one Newton step on its panels does. None where the motion is not found, or has other events.
+    Where both differ little, one Newton step on its panels does. None if the motion is not found, or has other events.
     """
     of, before = near.equations, near.panels
     assert of.crank is not None
@@ -113,7 +113,7 @@ def _period_ends(task: Task, start: float) -> tuple[float, float]:
 
 
 def _refine(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bool = True) -> ElasticSolution | None:
-    """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails. Where the plan is not near,
+    """The period with the events of a plan, on as many panels as it takes; None if Newton's method fails. Where the plan is not near,
     the drive's torque jumps at the times that it says."""
     events: dict[int, MotionEvent] = dict(plan.events)
     if task.equations.crank is None:
@@ -186,7 +186,7 @@ def _split(mesh: Mesh, parts: Indices) -> Mesh:
 
 def _observe(task: Task, solution: ElasticSolution, start: float) -> Plan | None:
     """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
-    speeds of the drive's shaft; None where no border explains a change."""
+    speeds of the drive's shaft; None if no border explains a change."""
     equations, mesh, strokes = solution.equations, solution.panels.mesh, task.strokes
     seen, ahead = solution.panels.sample(MIDDLES), strokes.turnings_ahead(start)
     places, _ = equations.places(seen.time, seen.y, seen.v)
@@ -235,7 +235,7 @@ def _beyond_jumps(equations: ElasticEquations, v: Array) -> Array:
 
 
 def _mode(task: Task, beyond: Array) -> TrainMode | None:
-    """Mode of a drive train beyond (jumps,) the speeds at which its torque jumps; None where the crank is held."""
+    """Mode of a drive train beyond (jumps,) the speeds at which its torque jumps; None if the crank is held."""
     train = task.equations.train
     return None if train is None else train.engaged._replace(faster=tuple(bool(faster > 0) for faster in beyond))
 

@@ -44,9 +44,9 @@ class ElasticRun(Run):
             where it pulls [N]; `PreloadedJoint.forces` shares it among them. Of a rod it is the mean of the pulls at its pins. A guide in
             space has two, "slide_guide x" and "slide_guide y": each across it, named by the nearest axis of the link that carries it.
         shaking_force: (n, 3) sum of the forces of linkage, crown and process loads on the frame [N].
-        floor_force: (n, 3) force of the mounts on the floor [N]; None where the frame does not stand on mounts.
+        floor_force: (n, 3) force of the mounts on the floor [N]; None if the frame does not stand on mounts.
         frame_motion: (n, 3) displacement of the frame's centre of mass on its mounts along the axes of the plane, from its place under the
-            static load [m], and its turn [rad]; None where it does not.
+            static load [m], and its turn [rad]; None if it does not.
         decay_per_stroke: factor by which a disturbance of the links shrinks in a period; below 1 the stroke is stable. None of a run that
             is no steady state.
         elastic: what yields.

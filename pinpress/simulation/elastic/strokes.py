@@ -34,7 +34,7 @@ class TimeSpan(NamedTuple):
 
 
 Segment = tuple[ForceInterval | TimeSpan | None, ...]
-"""The interval of each force that acts; None where none does."""
+"""The interval of each force that acts; None if none does."""
 
 
 class Event(NamedTuple):
@@ -227,7 +227,7 @@ class Plan(NamedTuple):
 
 
 def crossing(before: float, after: float) -> float | None:
-    """Share of the way at which what goes evenly from one value to another is zero; None where it is not."""
+    """Share of the way at which what goes evenly from one value to another is zero; None if it is not."""
     return None if before * after > 0 or before == after else before / (before - after)
 
 

@@ -128,7 +128,7 @@ class AngleSolver:
     def _period(self, direction: int) -> tuple[CollocationSolution, int] | None:
         """The solution of a period or several from the anchor on, or of a shorter range up to a stop, and how many of its panels are right.
 
-        None where the crank would stop, or has to start, under a force that depends on its speed.
+        None if the crank would stop, or has to start, under a force that depends on its speed.
         """
         driven, model, anchor = self.driven, self.model, self.anchor
         extent = range_ahead(model, anchor, direction)
@@ -190,7 +190,7 @@ class AngleSolver:
         return (period.solution, count) if count > 0 else None
 
     def _coarse(self, solution: CollocationSolution) -> Array | None:
-        """Where to cut the panels of a solution that are too coarse; None where the crank is not to be followed over its angle."""
+        """Where to cut the panels of a solution that are too coarse; None if the crank is not to be followed over its angle."""
         from_rest, to_rest = solution.mesh.kinds[0] == FROM_REST, solution.mesh.kinds[-1] == TO_REST
         if (from_rest and not solution.speed_free) or (to_rest and not _comes_to_rest(solution)):
             return None
@@ -219,7 +219,7 @@ class _Swings:
         self.same_both_ways = all(force.rising is force.falling for force in driven.forces)
 
     def repetition(self, segments: Sequence[Segment], stop: State, until: float) -> RepetitionSegment | None:
-        """The repetition of the swing that ends with this stop; None where none does."""
+        """The repetition of the swing that ends with this stop; None if none does."""
         self.stops.append((len(segments), stop.time, stop.angle))
         if len(self.stops) < 3 or not self.same_both_ways:
             return None

@@ -59,7 +59,7 @@ class CollocationSolution:
             the speed that W gives.
         added: inertia of flywheel and drive, (S,), or (1,) where all scenarios have the same [kg m2].
         evaluations: number of nodes at which the forces were computed, each time counted.
-        growth: of a disturbance of W, about right; None where no force depends on the speed.
+        growth: of a disturbance of W, about right; None if no force depends on the speed.
     """
 
     mesh: AngleMesh

@@ -56,7 +56,7 @@ def solve_period(
         most: rounds after which panels that are still too coarse stay so.
 
     Returns:
-        The solution; None where it leads nowhere.
+        The solution; None if it leads nowhere.
     """
     for _ in range(most):
         solution = collocation.solve(driven, mesh, energy, guess, nearby=nearby, periodic=periodic)
@@ -230,7 +230,7 @@ def _cuts_at_contacts(solution: CollocationSolution, force: PanelForce) -> dict[
 
 
 def _place_of(mesh: AngleMesh, panel: int, polynomial: list[float], level: float) -> float | None:
-    """Angle travelled at which a polynomial in the x of a panel passes a level; None where it does not, or only at the panel's borders."""
+    """Angle travelled at which a polynomial in the x of a panel passes a level; None if it does not, or only at the panel's borders."""
     polynomial = [polynomial[0] - level, *polynomial[1:]]
     samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
     values = [horner(polynomial[::-1], x) for x in samples]
@@ -245,7 +245,7 @@ def _place_of(mesh: AngleMesh, panel: int, polynomial: list[float], level: float
 
 def interpolate_onto(solution: CollocationSolution, mesh: AngleMesh) -> Array | None:
     """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles, where it is not solved that at the
-    start; None where one of the meshes starts or ends at rest."""
+    start; None if one of the meshes starts or ends at rest."""
     old = solution.mesh
     if old.kinds.any() or mesh.kinds.any():
         return None

@@ -53,7 +53,7 @@ class Dynamics(Protocol):
         """Positions at a crank angle that is a small ``angle`` away, and speeds that lead there."""
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
-        """The nearest state with closed loops; None where no loop can be open."""
+        """The nearest state with closed loops; None if no loop can be open."""
 
     def close_loops(self, position: Array, speed: Array) -> tuple[Array, Array]:
         """States (size, n) with their loops closed."""

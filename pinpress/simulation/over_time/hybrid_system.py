@@ -50,7 +50,7 @@ class ForceMode(NamedTuple):
     low: float  # value of its coordinate at which the mode ends [m]
     high: float  # the same above [m]
     rising: bool  # whether the coordinate rises
-    interval: ForceInterval | None  # that acts there; None where none does
+    interval: ForceInterval | None  # that acts there; None if none does
     pushing: bool = True  # whether the force pushes; False where a contact is lost
 
 

@@ -82,7 +82,7 @@ class TimeSegment:
 
     @property
     def standing(self) -> float | None:
-        """Time since which the press stands at the end, held by other than a brake [s]; None where it does not stand."""
+        """Time since which the press stands at the end, held by other than a brake [s]; None if it does not stand."""
         stands = [mode.rests and mode.brake.grip is OPEN for mode in self.modes]
         moving = next((k for k in range(len(stands), 0, -1) if not stands[k - 1]), 0)
         return None if moving == len(self.modes) else self.times[moving - 1] if moving else self.start
@@ -340,7 +340,7 @@ def _stepper(
         end: time of the end [s].
         settings: of the integration.
         method: one of the names above.
-        first: length of the first step [s]; None where it is not known.
+        first: length of the first step [s]; None if it is not known.
     """
     if settings.step is not None:
         return RungeKutta4(rates, time, y, end, settings.step)

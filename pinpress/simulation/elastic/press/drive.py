@@ -98,7 +98,7 @@ class DriveTrain:
 
     @property
     def slip(self) -> int | None:
-        """Number of the slip among its coordinates; None where there is no clutch."""
+        """Number of the slip among its coordinates; None if there is no clutch."""
         return None if self.driven.clutch is None else len(self.scale)
 
     @property

@@ -41,8 +41,8 @@ class SpringForces(NamedTuple):
 
     Attributes:
         force: (n, f) generalised forces [N, N m].
-        stiffness: (n, f, f) minus d force / d coordinates; None where it is not asked for.
-        damping: (n, f, f) minus d force / d rates; None where it is not asked for.
+        stiffness: (n, f, f) minus d force / d coordinates; None if it is not asked for.
+        damping: (n, f, f) minus d force / d rates; None if it is not asked for.
     """
 
     force: Array
@@ -85,7 +85,7 @@ class SprungPress:
         joints: preloaded joints, whose springs in ``springs`` are those of closed joints.
         open_pins: pins with clearance, which have no springs in ``springs``.
         open_joints: preloaded joints that may open, whose members have no springs in ``springs``.
-        closed: the same press without clearance and with closed joints; None where it is the same.
+        closed: the same press without clearance and with closed joints; None if it is the same.
         fixed: the same press on a fixed frame, where it stands on mounts.
     """
 
@@ -167,7 +167,7 @@ class SprungPress:
 
     @cached_property
     def _kept(self) -> tuple[Indices, Array] | None:
-        """Which of all coordinates each free one is, and its sign; None where conditions tie several together."""
+        """Which of all coordinates each free one is, and its sign; None if conditions tie several together."""
         entries = np.count_nonzero(self.carry, axis=0)
         if (entries != 1).any() or (np.abs(self.carry[self.carry != 0]) != 1.0).any():
             return None

@@ -116,11 +116,11 @@ class Turned(NamedTuple):
     Attributes:
         matrix: (n, B, 9) R.
         by: (n, B, 4, 9) derivatives of R.
-        by_twice: (n, B, 4, 4, 9) second derivatives; None where they are not asked for.
+        by_twice: (n, B, 4, 4, 9) second derivatives; None if they are not asked for.
         rate: (n, B, 9) rate of R.
         rate_by: (n, B, 4, 9) rates of `by`.
         curve: (n, B, 9) second rate of R where all accelerations are zero.
-        curve_by: (n, B, 4, 9) derivatives of `curve`; None where they are not asked for.
+        curve_by: (n, B, 4, 9) derivatives of `curve`; None if they are not asked for.
     """
 
     matrix: Array
