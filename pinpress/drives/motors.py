@@ -30,7 +30,6 @@ class ConstantTorque(SpeedTorqueDrive):
 
     Attributes:
         value: the torque [N m], on a driver that slides the force, a plain number [N], or (S,) for S scenarios; negative: backwards.
-            (``torque`` is the method of all drives.)
     """
 
     value: Values = field(metadata=parameter("N m", scenarios=True))

@@ -319,7 +319,7 @@ SECTIONS: Mapping[str, Section] = {
             },
             ("nominal_force",),
         ),
-        "What the press may bear; with at_speed beside weights and inertia forces. Those of bearings stand with the bearings.",
+        "What the press may bear; with `at_speed`, weights and inertia forces count too. Capacities of bearings are in `bearings`.",
         "capacities: {nominal_force: 3000 kN, nominal_height: 13 mm, speed_drop: 15 %}",
         by_keys=True,
     ),
@@ -513,7 +513,7 @@ SECTIONS: Mapping[str, Section] = {
             Either(Rows("m"), keys("{link: rod, at: 0 0 400 mm}", {"link": Text(), "at": Numbers("m")}, needed=("link", "at"))),
             "{rod: 0 0 400 mm}",
         ),
-        "Points of links whose paths are drawn, in the links' frames: by link, or by a name of their own.",
+        "Points of links whose paths are drawn, in the frames of the links: by the link's name, or by a name that you choose.",
         "traces: {T: {link: rod, at: 0 0 400 mm}}",
     ),
     "report": Section(
