@@ -296,11 +296,6 @@ def _row(key: str) -> Quantity:
     return Quantity(key, key)
 
 
-def si_size(unit: str) -> float:
-    """How large a unit is in the SI unit of its row: 2 pi / 60 of r/min."""
-    return _row(unit).sizes()[unit]
-
-
 @cache
 def readable(unit: str) -> Mapping[str, float]:
     """All units in which a quantity is read -> how large they are in ``unit``, which comes first."""

@@ -195,15 +195,6 @@ class ForwardDynamics:
         before, after = without * self.units, result * self.units
         return result if after.dot(after) > CANCELLED**2 * before.dot(before) else None
 
-    def answer_by(self, settings: pin.ProximalSettings, x: Array, v: Array, efforts: Array) -> tuple[Array, Array]:
-        """The unchecked answer of `constraintDynamics` with other proximal settings, where the linkage has the quick way: accelerations
-        (nv,) and the forces (points, 3) at the loops' points, link1 on link2, world axes [N]."""
-        assert self.quick is not None
-        data, points, data_of_points = self.quick.data, self.quick.points, self.quick.data_of_points
-        result = np.array(pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings))
-        turned = [data.oMi[point.joint1_id].rotation @ point.joint1_placement.rotation for point in points]
-        return result, np.array([-r @ each.contact_force.linear for r, each in zip(turned, data_of_points, strict=True)])
-
     def acceleration_along(self, x: Array, first: Array, second: Array, speed: float, efforts: Array) -> Array:
         """Joint accelerations (nv,) where it is known how all joints move with the driver: at a change point the equations do not say it.
 

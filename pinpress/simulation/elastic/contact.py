@@ -179,14 +179,3 @@ def _linear(stiffness: float, damping: float, place: Any, rate: Any) -> Any:
 def _hertz(stiffness: float, damping: float, place: Any, rate: Any) -> Any:
     depth = np.maximum(-np.asarray(place), 0.0)
     return stiffness * depth * np.sqrt(depth) * (1.0 - damping * rate)
-
-
-def restitution_of_linear(ratio: float) -> float:
-    """Restitution of a linear contact with a damping ratio, which ends where its force vanishes [-].
-
-    With w the frequency without damping, the force N = k d + b d' first vanishes after the time t with tan(w' t) = 2 z s / (2 z^2 - 1), s =
-    sqrt(1 - z^2), w' = s w.
-    """
-    s = math.sqrt(1 - ratio**2)
-    phase = math.atan2(2 * ratio * s, 2 * ratio**2 - 1)
-    return math.exp(-ratio / s * phase)
