@@ -195,7 +195,7 @@ def _over_travel(press: Linkage, ends: DeadCentres, heights: Array, flank: objec
     if not np.isclose([low, high], press.branch.angles[[0, -1]], rtol=0.0, atol=EQUAL * press.size).all():
         raise PinpressError(
             f"the slide of {press.name} turns back within the driver's travel, so that a height belongs to several positions of the driver:"
-            " give these, angle=..."
+            " give these in place of heights (in Python angle=...)"
         )
     at_bottom, at_top = heights <= EQUAL * ends.stroke, heights >= (1 - EQUAL) * ends.stroke
     positions = np.where(at_bottom, ends.bottom_angle, ends.top_angle)
@@ -301,7 +301,7 @@ def _invert_path(press: Linkage, ends: DeadCentres, heights: Array, low: float, 
     if not np.all(np.diff(way) > 0 if rises else np.diff(way) < 0):
         raise PinpressError(
             f"the slide of {press.name} turns back between its dead centres, so that a height belongs to several positions of the"
-            " driver: give these, angle=..."
+            " driver: give these in place of heights (in Python angle=...)"
         )
     after = np.searchsorted(way if rises else -way, heights if rises else -heights)
 

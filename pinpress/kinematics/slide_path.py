@@ -321,9 +321,11 @@ def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
     path = slide_path(motion)
     places = path.turning_places
     if len(places) > 2:
+        strokes = len(places) // 2
+        hint = f"; of {strokes} equal strokes give a number of states that is a multiple of {strokes}" if path.states % strokes else ""
         raise PinpressError(
-            f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this."
-            f" For {len(places) // 2} equal strokes give a number of states that is a multiple of {len(places) // 2}"
+            f"the slide turns back {2 * strokes} times a period and has no one working stroke: stroke and dwell can be measured, not this"
+            + hint
         )
     along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
     start, end = (complex(place) for place in places[np.argsort(along.at(places, 1)[0].real)])

@@ -179,7 +179,9 @@ def bottom_dead_centre(
 
     gradients = np.array([bottom.gradient, top.gradient, top.gradient - bottom.gradient, *(travel.gradient for travel in travels)])
     # rounding must not take a dimension that changes nothing to a limit of its tolerance at the worst corners
-    gradients[np.abs(gradients) <= 1e-12 * np.abs(gradients).max(axis=1, keepdims=True)] = 0.0
+    noise = 1e-12 * np.abs(gradients).max(axis=1, keepdims=True)
+    noise[:3] = noise[:3].max()  # the crank of a knuckle moves top dead centre, and its stretched position not at all
+    gradients[np.abs(gradients) <= noise] = 0.0
     tolerances = np.array([part.tolerance for part in checked])
     corners = np.array([sign * np.sign(gradient) * tolerances for gradient in gradients for sign in (-1.0, 1.0)])
     everything = np.concatenate([drawn, corners.T], axis=1)

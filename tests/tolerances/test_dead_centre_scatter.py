@@ -271,6 +271,8 @@ def test_a_turning_point_may_become_the_outermost_one_where_one_dimension_alone_
     ends = [pp.dead_centres(built(press, found, int(k))) for k in order[[0, -1]]]
     assert sum(abs(each.top_angle - nominal.top_angle) > 1.0 for each in ends) == 1
     assert found.top.nominal + found.top.deviation[order[[0, -1]]] == pytest.approx([each.top_position for each in ends], abs=1e-12)
+    assert found.height.gradient == found.height.share == found.height.first_order_sd == 0.0  # the straight knee does not ask for the shaft
+    assert "Bottom dead centre: no dimension changes it to first order." in str(found)
 
 
 def test_a_place_that_one_dimension_hardly_moves_may_be_passed_by_another():
