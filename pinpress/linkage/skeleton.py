@@ -12,12 +12,14 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 import pinocchio as pin
 
+from ..common.outlets.labels import Labels
 from ..common.quantities import Array
 from ..engines.constraints import LoopJoint
 from ..engines.structure import Axis, drawn_placements
 from .machine_elements import Mesh
 
 WIDTH, HEIGHT, MARGIN = 360.0, 260.0, 34.0  # of the picture [pixels]
+LETTERS = 11.0  # size of letters [pixels]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito
 FRONT = np.array([0.1, -1.0, 0.5])  # a planar linkage is seen along its normal, from the side on which this direction lies
 OBLIQUE = np.array([0.40, -0.80, 0.45])  # direction towards the viewer of a linkage in space
@@ -91,8 +93,9 @@ def skeleton(
     onto_sheet = np.array([*(bearing.point for bearing in bearings), *around]) @ np.array([right, up]).T
     points, ends = np.split(_onto_sheet(onto_sheet), [len(bearings)])
     size = {"width": f"{WIDTH:g}", "height": f"{HEIGHT:g}", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}"}
-    style = {"font-family": "sans-serif", "font-size": "11", "fill": "currentColor", "role": "img", "aria-label": description}
+    style = {"font-family": "sans-serif", "font-size": f"{LETTERS:g}", "fill": "currentColor", "role": "img", "aria-label": description}
     root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **style})
+    labels = Labels((WIDTH, HEIGHT))
     corners = [  # of each body: its bearings on the sheet
         np.array([points[k] for k, bearing in enumerate(bearings) if joint in bearing.bodies]).reshape(-1, 2) for joint in range(len(links))
     ]
@@ -100,24 +103,33 @@ def skeleton(
         carrier = int(model.parents[joint])
         if carrier and len(corners[joint]) and len(corners[carrier]):
             _connection(root, corners[carrier].mean(axis=0), corners[joint].mean(axis=0), COLOURS[(carrier - 1) % len(COLOURS)])
+            labels.line(np.array([corners[carrier].mean(axis=0), corners[joint].mean(axis=0)]), 2.5)
     for circle, (east, west, *_) in zip(seen, ends.reshape(-1, 4, 2), strict=True):
         (x, y), radius = (east + west) / 2, float(east[0] - west[0]) / 2
         colour = COLOURS[(circle.joint - 1) % len(COLOURS)] if circle.joint else "currentColor"
         look = {"fill": "none", "stroke": colour, "stroke-width": "1.5", "stroke-dasharray": "8 3 2 3"}  # as pitch circles are drawn
         SubElement(root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": f"{radius:.1f}", **look})
+        labels.circle(np.array([x, y]), radius)
     for joint, link in enumerate(links[1:], 1):
         colour = COLOURS[(joint - 1) % len(COLOURS)]
         if joint in guided and len(corners[joint]):
             along = np.array([guided[joint] @ right, -(guided[joint] @ up)])  # in an SVG y points down
-            _block(root, corners[joint].mean(axis=0), along, on_frame=int(model.parents[joint]) == 0, link=link, colour=colour)
+            _block(
+                root, corners[joint].mean(axis=0), along, on_frame=int(model.parents[joint]) == 0, link=link, colour=colour, labels=labels
+            )
         if len(corners[joint]):
             _link(root, corners[joint], link, colour)
+            around_it = _around(corners[joint])
+            labels.line(np.vstack([around_it, around_it[:1]]), 2.5) if len(around_it) > 1 else labels.circle(around_it[0], 10.0)
     for (x, y), bearing in zip(points, bearings, strict=True):
         if 0 in bearing.bodies:  # the frame under it
             path = f"M{x:.1f} {y:.1f} l-9 14 h18 z M{x - 12:.1f} {y + 14:.1f} h24"
             look = {"fill": "none", "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "1.5"}
             SubElement(root, "path", {"d": path, **look})
-    _pins(root, points, [bearing.name for bearing in bearings] if len(bearings) <= 24 else [])  # names of more would cover the picture
+            labels.line(np.array([[x, y], [x - 12, y + 14], [x + 12, y + 14], [x, y]]), 1.0)
+    _pins(
+        root, points, [bearing.name for bearing in bearings] if len(bearings) <= 24 else [], labels
+    )  # names of more would cover the picture
     return tostring(root, encoding="unicode")
 
 
@@ -181,20 +193,27 @@ def _around(corners: Array) -> Array:
     return corners[np.argsort(np.arctan2(away[:, 1], away[:, 0]))] if len(corners) > 2 else corners
 
 
-def _block(root: Element, middle: Array, along: Array, *, on_frame: bool, link: str, colour: str) -> None:
+def _block(root: Element, middle: Array, along: Array, *, on_frame: bool, link: str, colour: str, labels: Labels) -> None:
     """A sliding body, between two rails if the frame guides it; ``along``: (2,) direction of the guide on the sheet."""
     x, y = middle
     turn = {"transform": f"translate({x:.1f} {y:.1f}) rotate({np.degrees(np.arctan2(along[1], along[0])):.1f})"}
     box = {"x": f"{-HALF_BLOCK:g}", "y": "-11", "width": f"{2 * HALF_BLOCK:g}", "height": "22", "rx": "2"}
     block = SubElement(root, "rect", {**box, **turn, "fill": colour, "fill-opacity": "0.3", "stroke": colour, "stroke-width": "2"})
     SubElement(block, "title").text = link
+    way = along / max(float(np.linalg.norm(along)), PARALLEL) if np.linalg.norm(along) > PARALLEL else np.array([1.0, 0.0])
+    across = np.array([-way[1], way[0]])
+    half = HALF_BLOCK + RAIL_OVERHANG * on_frame
+    for side in (-14, 14) if on_frame else (-11, 11):
+        labels.line(np.array([middle - half * way + side * across, middle + half * way + side * across]), 2.0)
+    for end in (-HALF_BLOCK, HALF_BLOCK):
+        labels.line(np.array([middle + end * way - 11 * across, middle + end * way + 11 * across]), 1.0)
     if on_frame:
         rails = "".join(f"M{-HALF_BLOCK - RAIL_OVERHANG:g} {side} H{HALF_BLOCK + RAIL_OVERHANG:g}" for side in (-14, 14))
         SubElement(root, "path", {"d": rails, **turn, "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "3"})
 
 
-def _pins(root: Element, points: Array, names: Sequence[str]) -> None:
-    """Circles at the bearings with their names; bearings in one place have one circle."""
+def _pins(root: Element, points: Array, names: Sequence[str], labels: Labels) -> None:
+    """Circles at the bearings, then their names clear of all that is drawn; bearings in one place have one circle."""
     names_at: list[tuple[Array, list[str]]] = []
     for k, place in enumerate(points):
         names_here = next((others for point, others in names_at if np.abs(point - place).max() < 0.5), None)  # half a pixel
@@ -203,22 +222,15 @@ def _pins(root: Element, points: Array, names: Sequence[str]) -> None:
             names_at.append((place, names_here))
         if names:
             names_here.append(names[k])
-    taken: list[Array] = []
-    for place, names_here in names_at:
+    for place, _ in names_at:
         circle = {"cx": f"{place[0]:.1f}", "cy": f"{place[1]:.1f}", "r": "4", "fill": "#fff", "stroke": "#222", "stroke-width": "1.5"}
         SubElement(root, "circle", circle)
+        labels.circle(place, 4.0)
+    for place, names_here in names_at:
         if names_here:
-            _name(root, place, ", ".join(names_here), taken)
-
-
-def _name(root: Element, place: Array, text: str, taken: list[Array]) -> None:
-    """A name next to a bearing: at the first of four sides where it is clear of the names before it, else at the last."""
-    width = 6.5 * len(text)  # a mean letter has 6.5 pixels
-    for side, down in ((1, -7.0), (-1, -7.0), (1, 16.0), (-1, 16.0)):
-        low = place + np.array([8.0 if side > 0 else -8.0 - width, down])
-        box = low + np.array([[0.0, -9.0], [width, 2.0]])
-        if not any(np.all(box[0] < other[1]) and np.all(other[0] < box[1]) for other in taken):
-            break
-    taken.append(box)
-    position = {"x": f"{place[0] + 8 * side:.1f}", "y": f"{place[1] + down:.1f}", "text-anchor": "start" if side > 0 else "end"}
-    SubElement(root, "text", position).text = text
+            words = ", ".join(names_here)
+            (x, y), end = labels.place(place, words, LETTERS)
+            if end is not None:
+                ends = {"x1": f"{place[0]:.1f}", "y1": f"{place[1]:.1f}", "x2": f"{end[0]:.1f}", "y2": f"{end[1]:.1f}"}
+                SubElement(root, "line", {**ends, "stroke": "currentColor", "stroke-opacity": "0.6"})
+            SubElement(root, "text", {"x": f"{x:.1f}", "y": f"{y:.1f}"}).text = words
