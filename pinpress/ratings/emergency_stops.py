@@ -270,7 +270,7 @@ def stopping(
             raise PinpressError(f"the brake of {torque:g} N m {_slipping(cases[name])}: give a stronger brake, or a balance cylinder")
         if cases[name].worst is not None and cases[name].margin < BARELY:
             caution(
-                f"{name}: the brake barely holds the press, with {cases[name].margin:.4g} times its holding torque. In narrow ranges of the"
+                f"{name}: the brake barely holds the press, with {cases[name].margin:.6g} times its holding torque. In narrow ranges of the"
                 " signal a stop then takes very long, and a longer one than the longest here may be missed: give a stronger brake"
             )
     searched = _searched(cases, signal, closing, math.copysign(2 * np.pi * press.period_turns, speed))

@@ -121,16 +121,16 @@ def test_the_window_follows_its_file(open_window: Any, tmp_path: Path) -> None:
 @pytest.mark.exhaustive
 def test_a_window_without_webgl_has_its_curves(browser: Any) -> None:
     """They follow the sliders; where the press would move the window says why it does not."""
-    with pp.view(texts.shipped("zxn2_3000b"), 7.0, browser=False) as shown, browser.new_context() as fresh:
+    with pp.view(texts.shipped("crank_slide"), 5.0, browser=False) as shown, browser.new_context() as fresh:
         page, wrong = fresh.new_page(), list[str]()
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.add_init_script(NO_WEBGL)
         page.goto(shown.url)
         page.wait_for_selector("#dimensions .row", timeout=20000)
         assert page.inner_text("#view .message").startswith("This browser cannot draw the moving press")
-        stroke = page.inner_text("#curves small >> nth=0")
-        page.evaluate("change(rows[data.dimensions.findIndex(each => each.name === 'A to B')], 165, true)")
-        wait(page, f"document.querySelector('#curves small').textContent !== {stroke!r}")
+        assert page.inner_text("#curves small >> nth=0") == "stroke 200 mm"
+        page.evaluate("change(rows[data.dimensions.findIndex(each => each.name === 'O to P')], 90, true)")
+        wait(page, "document.querySelector('#curves small').textContent === 'stroke 180 mm'")  # and not the longer one that is dashed
         assert wrong == []
 
 

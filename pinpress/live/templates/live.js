@@ -137,7 +137,7 @@ function showCurves() {
     charts[i].canvas.setAttribute("aria-label", `${curve.name} over the ${overTime ? "time" : "crank angle"}`);
     const peak = now.reduce((best, value, k) => Math.abs(value) > Math.abs(now[best]) ? k : best, 0);
     const where = `${inWords(abscissa()[peak])}${overTime ? " s" : data.driver.unit}`;
-    charts[i].range.textContent = curve.unit === "m" ? `stroke ${digits(high / per)} ${unit}` : `peak ${digits(now[peak] / per)} ${unit} at ${where}${curve.at ? `, ${curve.at[peak]}` : ""}`;
+    charts[i].range.textContent = curve.unit === "m" ? `stroke ${digits((Math.max(...now) - Math.min(...now)) / per)} ${unit}` : `peak ${digits(now[peak] / per)} ${unit} at ${where}${curve.at ? `, ${curve.at[peak]}` : ""}`;
     charts[i].range.title = charts[i].range.textContent;
     paint(charts[i]);
   });
