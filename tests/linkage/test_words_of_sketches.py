@@ -22,10 +22,13 @@ def strokes(drawing):
         kind = each.tag.removeprefix(SVG)
         if kind in ("polyline", "polygon"):
             corners = [np.array(pair.split(","), float) for pair in each.get("points").split()]
+            corners += corners[:1] if kind == "polygon" else []
             yield from (np.linspace(a, b, 400) for a, b in itertools.pairwise(corners))
-        elif kind == "line" and not each.get("transform"):
+        elif kind == "line":
             x1, y1, x2, y2 = (float(each.get(key)) for key in ("x1", "y1", "x2", "y2"))
-            yield np.linspace((x1, y1), (x2, y2), 400)[4:-4]
+            angle, *about = map(float, re.findall(r"-?[\d.]+", each.get("transform", "0 0 0")))
+            cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+            yield (np.linspace((x1, y1), (x2, y2), 400)[4:-4] - about) @ np.array([[cos, sin], [-sin, cos]]) + about
         elif kind == "circle":
             turns = np.linspace(0, 2 * np.pi, 400)[:, None]
             around = np.hstack([np.cos(turns), np.sin(turns)])
