@@ -131,7 +131,7 @@ def duty_figures(result: Run, whole: MotorDuty) -> list[Figure]:
     at = "torque at its own shaft" if geared else "force"
     found = [Figure(f"{name}, rms", whole.motor_rms, unit, at, rated, kind="motor"), Figure(f"{name}, peak", whole.motor_peak, unit, at)]
     if whole.utilisation is not None:
-        found.append(Figure(f"{name}, use", whole.utilisation, "share", "rms by rated torque", kind="motor"))
+        found.append(Figure(f"{name}, use", whole.utilisation, "share", "rms by rated torque"))
     motor = motor_of(driven)
     if motor is None or whole.mains_work is None or whole.slip_loss is None:
         return found

@@ -96,7 +96,7 @@ def test_force_over_height_work_and_inputs(written: Path, press: Any, pressed: A
     stated = {inputs["title"]: dict(inputs["rows"]) for inputs in report["inputs"]}
     assert stated[""] == dict(inputs_of(pressed)) | {"nominal force": "3000 kN", "nominal height": "13 mm"}
     assert stated[""]["load"] == "deep drawing: force = 1500 kN, start = 40 mm, end = 2 mm"
-    assert stated["Dashed curves"]["loads"] == "none but weight"
+    assert stated["Dashed curves, where they differ"]["loads"] == "none but weight"
 
 
 def test_a_run_states_its_motor_and_flywheel(press: Any, tmp_path: Path) -> None:

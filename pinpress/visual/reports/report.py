@@ -144,7 +144,8 @@ def _content(
     abscissa, heights = along_motion(shown.motion), shown.heights
     inputs = [{"title": "", "rows": _with_rows(_inputs(shown, more), rows)}]
     if before is not None:
-        inputs.append({"title": "Dashed curves", "rows": _with_rows(inputs_of(before.reactions), before_rows)})
+        others = _with_rows(inputs_of(before.reactions), before_rows)
+        inputs.append({"title": "Dashed curves, where they differ", "rows": [row for row in others if row not in inputs[0]["rows"]]})
     count = len(shown.motion.crank_angle)
     beside = "" if before is None else f"; dashed: {before_name or before.press.name}, {in_words(before.motion)}"
     return {
@@ -171,7 +172,8 @@ def _verdict(sections: Sequence[described.Section], before: Sequence[described.S
             then = old.get((part.title, number.name))
             change = ""
             if then is not None and not isinstance(number.value, str) and not isinstance(then.value, str) and then.value:
-                change = f"{100 * (number.value / then.value - 1):+.1f} %"
+                share = 100 * (number.value / then.value - 1)
+                change = f"{share:+.1f} %" if abs(share) >= 0.05 else "the same"
             more: dict[str, Any] = {"use": number.use, "before": "" if then is None else figure(then)["value"], "change": change}
             rows.append(dict[str, Any](figure(number)) | {key: value for key, value in more.items() if value})
     return rows
