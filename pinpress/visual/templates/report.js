@@ -351,6 +351,7 @@ function verdict(parent, { figures }) {  // what is looked for first: value, sha
   const box = make("section", parent, { className: "chart table verdict", ariaLabel: say("Summary") }), body = make("tbody", make("table", box));
   const compared = report.dashed, signed = text => text.replace(/(^| )-(?=\d)/g, "$1\u2212");
   if (compared) {
+    box.classList.add("compared");
     const heads = make("tr", make("thead", box.firstChild));
     for (const text of ["", compared, say("here"), say("change"), "", ""]) make("th", heads, { textContent: brief(text, 24) });
   }
