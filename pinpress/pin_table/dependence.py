@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import typed
+from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, UnknownNameError, cautions_collected, shown
 from ..common.quantities import Array
 from ..tolerances.dimensions import Dimension
@@ -57,11 +57,12 @@ def dimension(
         PinpressError: no pin depends on the number, the unit does not fit it, or the number also changes the drawn angle of a crank, the
             direction of a guide or a ratio.
     """
+    expect("drawn", drawn, DrawnPress, "pin_table.draft")
     table, known = drawn._table, dict(_numbers_of(drawn._table))
-    if number_name not in known:
+    if not isinstance(number_name, str) or number_name not in known:
         raise UnknownNameError(f"number in {drawn.file}", number_name, known)
     path, entry = known[number_name]
-    if unit not in ("m", "rad"):
+    if not isinstance(unit, str) or unit not in ("m", "rad"):
         raise PinpressError(f"unit of {number_name} is {shown(unit)}: give 'm' or 'rad'")
     turns = unit == "rad"
     if path[0] == "pins" and (path[-1] == "angle") != turns:

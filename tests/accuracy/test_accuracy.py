@@ -293,7 +293,7 @@ def test_command(alone, capsys, tmp_path):
     assert main(["accuracy", *words]) == 0
     said = capsys.readouterr().out
     assert "crank_slide: -300 r/min; runs of 0.02 s with a flywheel of 2.5 kg m2" in said
-    assert "  flywheel      Flywheel(inertia=2.5 kg m2)\n  scenes        free run\n  computed by   pinpress " in said
+    assert "  flywheel      inertia = 2.5 kg m2\n  scenes        free run\n  computed by   pinpress " in said
     assert f"wrote {out / 'accuracy.csv'} and {out / 'accuracy.png'}" in said
     assert (out / "accuracy.png").stat().st_size > 30_000
     with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:

@@ -91,7 +91,7 @@ def test_tests_of_the_source_distribution_pass_with_the_wheel(stranger: Stranger
     if package.exists():
         package.rename(stranger.unpacked / "not_this_one")
     tests = [f"tests/{name}.py" for name in TESTS]
-    printed = stranger.run("pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *tests, cwd=stranger.unpacked)
+    printed = stranger.run("pytest", "-q", "-n", "0", "-m", "", "-p", "no:cacheprovider", *tests, cwd=stranger.unpacked)
     passed = re.search(r"(\d+) passed", printed)
     assert passed is not None
     assert int(passed[1]) > 80
