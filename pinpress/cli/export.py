@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..common.errors import PinpressError
 from ..common.tables import cell, fitted
 from ..export.c_source import c_code
 from ..export.fmi import fmu
@@ -35,11 +36,12 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     add_job_options(parser, speed=False)
     option = parser.add_argument
     option("--to", choices=ENDINGS, required=True, help="c: C99 (.c and .h); fmu: FMI 2.0; m: a function of MATLAB and Octave")
-    option("--bearing", metavar="NAME", action="append", help="a bearing with its force and moment; without this option all")
-    option("--no-bearings", action="store_true", help="slide and driving torque alone")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--bearing", metavar="NAME", action="append", help="a bearing with its force and moment; without this option all")
+    which.add_argument("--no-bearings", action="store_true", help="slide and driving torque alone")
     option("--tolerance", type=float, default=1e-9, metavar="SHARE", help="share that the table may miss (default: %(default)s)")
     option("--single", action="store_true", help="C tables with 4 bytes a number, exact to 1e-7 of the largest values")
-    option("--compiler", default="cc", metavar="COMMAND", help="C compiler for the binary of an FMU (default: %(default)s)")
+    option("--compiler", metavar="COMMAND", help="C compiler for the binary of an FMU (default: cc)")
     option("--platform", help="FMI's name of the platform for which it compiles, such as win64; by default this machine's")
     option("--out", type=Path, metavar="FILE", help="the file to write; by default FILE's name with the ending of the format")
     parser.set_defaults(run=run)
@@ -54,6 +56,10 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: see `tabulate`, `c_code`, `fmu` and `matlab`.
     """
+    if options.single and options.to != "c":
+        raise PinpressError(f"--single is of C tables: leave it out with --to {options.to}")
+    if (options.compiler or options.platform) and options.to != "fmu":
+        raise PinpressError(f"--compiler and --platform are of an FMU: leave them out with --to {options.to}")
     job = open_job(options)
     bearings = () if options.no_bearings else options.bearing
     loads = {name: load for name, load in job.loads.items() if stands(load)}
@@ -64,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     if options.to == "c":
         written = c_code(table, out, single=options.single)
     elif options.to == "fmu":
-        written = (fmu(table, out, compiler=options.compiler, platform=options.platform),)
+        written = (fmu(table, out, compiler=options.compiler or "cc", platform=options.platform),)
     else:
         written = (matlab(table, out),)
     columns = table.columns()

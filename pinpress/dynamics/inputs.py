@@ -146,7 +146,10 @@ def described(part: object, driver: DriverCoordinate = CRANK) -> str:
         value, known = getattr(part, field.name), declared(field)
         if value is not None and not (field.kw_only and value == field.default):
             name, said = field.name.replace("_", " "), written(value, "" if known is None else driver.in_place_of(known.unit))
-            parts.append(f"{name}: {said}") if is_dataclass(value) else words.append(f"{name} = {said}")
+            if is_dataclass(value):
+                parts.append(f"{name}: {said}")
+            else:
+                words.append(f"{name} = {said}")
     kind = re.sub("(?<=[a-z])(?=[A-Z])", " ", type(part).__name__).lower()
     return "; ".join([f"{kind}: {', '.join(words)}" if words else kind, *parts])
 

@@ -19,7 +19,7 @@ from ..common.quantities import Array
 from .tables import ACCELERATION, FORCES, PressTable
 
 STATES = 8  # of the self test
-DOUBLE, SINGLE = 1e-12, 1e-5  # what the self test allows of rounding error, as a share of the largest value
+DOUBLE, SINGLE = 1e-12, 1e-6  # what the self test allows of rounding error, as a share of the largest value
 LINE = 6  # numbers in a line
 
 
@@ -135,12 +135,13 @@ def header_lines(table: PressTable) -> list[str]:
         *(f"{name}: {words}" for name, words in table.origin),
         "",
         f"Largest difference from the engine in {table.compared} states between the nodes, at random speeds, accelerations and forces:",
-        f"{table.error[worst]:.1e} of the largest value there, in {worst}. It is the largest of these states, not a bound.",
+        f"{table.error[worst]:.1e} in {worst}, as a share of its largest value there, or of a thousandth of the largest force if that is",
+        "more. It is the largest of these states, not a bound.",
         f"{inputs}{sign} SI units and radians.",
         "Positions, speeds and accelerations are of the driver joint along its axis, and so is the torque on it. Those of the slide are",
         "positive along its guide as in pinpress, upwards in an upright press. Forces and moments of a bearing act from its parent on its",
-        "child link, in world axes with z up; moments about the bearing. The shaking force acts from the machine on its foundation, its",
-        "moment about the world origin.",
+        "child link, in world axes with z up; moments about the bearing. The shaking force acts from the machine on its foundation, weight",
+        "included, its moment about the world origin.",
     ]
     plain = (line.encode("ascii", "backslashreplace").decode() for line in lines)
     return [line.replace("*/", "* /").replace("/*", "/ *").replace("\n", " ") for line in plain]

@@ -154,7 +154,7 @@ def _values(table: PressTable, outputs: Sequence[str]) -> list[Value]:
         Value("speed", f"{unit}/s", "output", exact, {"start": "0.0"}, (3,)),
         Value("acceleration", f"{unit}/s2", "output", known, {"derivative": "3"}, (*states, *efforts)),
         Value(torque, effort, "input", known, {"start": "0.0"}),
-        *(Value(name, "", "input", known, {"start": "0.0"}) for name in identifiers(table.inputs)),
+        *(Value(name, "", "input", known, {"start": "0.0"}) for name in table.inputs),
         Value("added_inertia", "kg m2" if coordinate.turns else "kg", "parameter", {"variability": "fixed"}, {"start": "0.0", "min": "0"}),
         Value("tolerance", "", "parameter", {"variability": "tunable"}, {"start": repr(TOLERANCE), "min": "1e-14", "max": "0.01"}),
     ]
@@ -163,9 +163,9 @@ def _values(table: PressTable, outputs: Sequence[str]) -> list[Value]:
         terms = np.asarray(np.any(table.term_of(component), axis=(0, 2)))
         needs = {1} | ({3} if terms[[SQUARE, SPEED]].any() else set()) | {6 + k for k in range(count) if terms[FORCES + k]}
         needs |= {*states, *efforts} if terms[ACCELERATION] else set()
-        taken = {each.name for each in found}
-        found.append(Value(f"{name}_" if name in taken else name, units[component], "output", known, {}, tuple(sorted(needs))))
-    return found
+        found.append(Value(name, units[component], "output", known, {}, tuple(sorted(needs))))
+    # an input may be called as the torque is
+    return [each._replace(name=name) for each, name in zip(found, identifiers(each.name for each in found), strict=True)]
 
 
 def _description(table: PressTable, identifier: str, guid: str, values: Sequence[Value], start: float) -> bytes:
@@ -207,7 +207,7 @@ def _description(table: PressTable, identifier: str, guid: str, values: Sequence
         "Derivatives": [(k, each) for k, each in numbered if "derivative" in each.real],
         "InitialUnknowns": calculated,
     }
-    inertia = next(k for k, each in numbered if each.name == "added_inertia")
+    inertia = next(k for k, each in numbered if each.causality == "parameter")  # the tolerance comes behind it
     for title, unknowns in parts.items():
         part = ElementTree.SubElement(structure, title)
         for k, each in unknowns:

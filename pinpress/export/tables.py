@@ -36,7 +36,7 @@ from ..dynamics.panels import POWERS, Panels
 
 STANDING, ACCELERATION, SQUARE, SPEED, FORCES = 0, 1, 2, 3, 4  # terms: g, u, v, d, and the first p
 EXPONENTS = POWERS.astype(float)  # with whole numbers NumPy takes longer
-PARTS, FEWER = 64, 5  # of a panel of 14 terms each 64th is as exact with 5 terms
+PARTS, FEWER = 64, 5  # of a panel of 14 terms each 64th is exact to 1e-13 with 5 terms
 
 Places: TypeAlias = NDArray[np.int64]
 
@@ -210,23 +210,26 @@ class PressTable(Tabular):
             added_inertia: inertia of flywheel and drive at the driver [kg m2 or kg].
 
         Raises:
-            PinpressError: the driver does not reach the position; a number is not finite; no mass resists the torque.
+            PinpressError: the driver does not reach the position; an argument is no finite number; no mass resists the torque.
         """
         edges, middles, rows = self._equation
-        place = self._local(angle)
-        part = min(bisect_right(edges, place), len(middles)) - 1
-        x, square = place - middles[part], speed * speed
-        opposed = inertia = 0.0
-        for g, u, v, d, p in rows[part]:
-            opposed = opposed * x + (g + v * square + d * speed + p * force)
-            inertia = inertia * x + u
-        moved, surplus = inertia + added_inertia, torque - opposed
-        if not (moved > 0.0 and math.isfinite(surplus)):
-            raise PinpressError(
-                f"{self.press_name} has no acceleration at {self.coordinate.at(angle)}: give finite speed, torque and force, and an"
-                " added_inertia where its links have no mass"
-            )
-        return surplus / moved
+        try:
+            place = self._local(angle)
+            part = min(bisect_right(edges, place), len(middles)) - 1
+            x, square = place - middles[part], speed * speed
+            opposed = inertia = 0.0
+            for g, u, v, d, p in rows[part]:
+                opposed = opposed * x + (g + v * square + d * speed + p * force)
+                inertia = inertia * x + u
+            moved, surplus = inertia + added_inertia, torque - opposed
+            if moved > 0.0 and math.isfinite(surplus):
+                return surplus / moved
+        except (TypeError, ValueError):  # words, arrays
+            raise PinpressError(f"the state of {self.press_name} is no single one: give numbers; `at` takes arrays") from None
+        raise PinpressError(
+            f"{self.press_name} has no acceleration at {self.coordinate.at(angle)}: give finite speed, torque and force, and an"
+            " added_inertia where its links have no mass"
+        )
 
     def _at_several(self, angle: Values, speed: Values, acceleration: Values, inputs: Mapping[str, Values]) -> TableState:
         given = [angle, speed, acceleration, *(inputs.get(name, 0.0) for name in self.inputs)]

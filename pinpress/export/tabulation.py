@@ -278,19 +278,19 @@ class _Sizes:
         self.units = np.array([each.unit for each in sampler.quantities])
         self.starts = np.cumsum([0, *(each.size for each in sampler.quantities)])[:-1]
         self.counts = np.array([each.size for each in sampler.quantities])
-        self.largest = np.zeros((len(self.amplitudes), len(self.units)))
+        self.sampled = np.zeros(len(self.amplitudes) * int(self.counts.sum()))  # of each row, at the nodes
 
     def missed(self, values: Array) -> Array:
         """(p,) what polynomials through values (q, rows, p) miss on each panel, as a share."""
-        self.largest = np.maximum(self.largest, self._of_quantities(np.abs(values).max(axis=(0, 2))))
-        scale = np.maximum(self.largest, FAINT * self.references)
+        self.sampled = np.maximum(self.sampled, np.abs(values).max(axis=(0, 2)))
+        scale = np.maximum(self._of_quantities(self.sampled), FAINT * self.references)
         shares = self._of_quantities(last_terms(values)) / np.where(scale > 0, scale, 1.0)[..., None]
         return np.asarray(shares.max(axis=(0, 1)))
 
     @property
     def references(self) -> Array:
         """(quantities,) the largest value of its kind for each quantity."""
-        own = self.largest.max(axis=0)
+        own = self._of_quantities(self.sampled).max(axis=0)
         force = own[self.units == "N"].max(initial=0.0)
         moment = max(force * self.size, own[self.units == "N m"].max(initial=0.0))
         return np.select([self.units == "N", self.units == "N m"], [force, moment], own)
@@ -298,7 +298,8 @@ class _Sizes:
     def cleaned(self, coefficients: Array) -> Array:
         """(p, terms, components, q) of coefficients (p, rows, q), in which functions that are rounding error are zero."""
         by_term = coefficients.reshape(len(coefficients), len(self.amplitudes), -1, coefficients.shape[-1])
-        sizes = np.abs(by_term).sum(axis=3).max(axis=0) * self.amplitudes[:, None]
+        # by samples, as the polynomial through rounding error has coefficients a thousand times larger
+        sizes = self.sampled.reshape(len(self.amplitudes), -1) * self.amplitudes[:, None]
         return np.where((sizes > NOTHING * np.repeat(self.references, self.counts))[:, :, None], by_term, 0.0)
 
     def _of_quantities(self, rows: Array) -> Array:

@@ -239,7 +239,13 @@ def safety_distance(result: SafetyDistance, page: object = None) -> tuple[Sectio
     names, times, lengths, sources = zip(*result.addends, strict=True)
     columns = [Column("addend", names), Column("time", times, "s"), Column("length", lengths, "height"), Column("from", sources)]
     figures = [Figure("distance by the formula", result.distance, "height", f"all springs, {result.edition}")]
-    figures += [Figure("distance by the formula", distance, "height", name) for name, distance in result.failed.items()]
+    for name, other in result.failed.items():
+        if other is None:
+            figures.append(Figure("distance by the formula", "none", where=f"{name}: the brake does not hold the press"))
+        else:
+            figures.append(
+                Figure("distance by the formula", other.distance, "height", f"{name}, {other.edition}; {other.formula.partition(';')[0]}")
+            )
     note = f"{result.formula}. {NO_ADVICE}"
     return (Section("Safety distance", figures, [Table("addends", "Addends", columns)], note=note),)
 

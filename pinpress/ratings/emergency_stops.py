@@ -36,6 +36,7 @@ from .permissible_force import refuse_unrated
 from .safety_distance import LONG, SafetyDistance, length_argument, not_negative, safety_distance
 
 FULL, HALF, UNLOADED = "all springs", "half of the springs", "without the loads"
+ACTING = {FULL: "all springs and loads", HALF: "half of the springs and all loads", UNLOADED: "all springs and no loads"}
 STEP = math.radians(5.0)  # between signals of the closing stroke, twice as much elsewhere; the worst one is searched between two of them
 STATICS = math.radians(0.5)  # between poses in which the holding torque is computed; edges and peaks between them are searched
 LONGER = 1e-7  # by which a stop must last longer than another one to count as longer [s]
@@ -193,17 +194,21 @@ class StoppingTimes(OfPress, Tabular):
         for name, what in ((HALF, "half of the springs"), (UNLOADED, "without the loads the brake")):
             if name in self.cases and self.cases[name].slips:
                 caution(f"{what} {_slipping(self.cases[name])}: a distance does not make up for that; give a stronger brake")
-        if (other := self.cases[FULL].worst_elsewhere) is not None:
-            outside = f"{other.time:.4g} s after a signal at {math.degrees(other.signal % (2 * np.pi * self._press.period_turns)):.2f} deg"
-            caution(f"a stop takes {outside}, outside of the closing stroke, and the distance is that of {self.worst.time:.4g} s")
-        found: dict[str, SafetyDistance] = {}
+        found: dict[str, SafetyDistance | None] = dict.fromkeys(self.cases)
         for name, case in self.cases.items():
-            if case.worst is not None:
-                in_quarter = float(np.interp(0.5 * np.pi, np.abs(self.signal - self.signal[0]), case.time))
-                times = {"stopping": case.worst.time, "at 90 deg": in_quarter, "control": self.control, "device": self.device}
-                with nullcontext() if name == FULL else cautions_collected():
-                    found[name] = safety_distance(edition, times, self.monitor, lengths, truth_value("two_hand", two_hand))
-        return replace(found[FULL], failed={name: each.distance for name, each in found.items() if name != FULL})
+            if case.worst is None:
+                continue
+            if (other := case.worst_elsewhere) is not None:
+                place = math.degrees(other.signal % (2 * np.pi * self._press.period_turns))
+                outside = f"{other.time:.4g} s after a signal at {place:.2f} deg, outside of the closing stroke"
+                caution(f"{name}: a stop takes {outside}, and the distance is that of {case.worst.time:.4g} s")
+            in_quarter = float(np.interp(0.5 * np.pi, np.abs(self.signal - self.signal[0]), case.time))
+            times = {"stopping": case.worst.time, "at 90 deg": in_quarter, "control": self.control, "device": self.device}
+            with nullcontext() if name == FULL else cautions_collected():  # the hint at ms is given once
+                found[name] = safety_distance(edition, times, self.monitor, lengths, truth_value("two_hand", two_hand), ACTING[name])
+        whole = found.pop(FULL)
+        assert whole is not None  # `stopping` refuses a brake that does not hold with all springs
+        return replace(whole, failed=found)
 
 
 @typed

@@ -40,15 +40,15 @@ class SafetyDistance(Tabular):
         distance: S [m].
         addends: the terms of the sum: name, time [s] or None, length [m], and source.
         formula: as text, with the sources of its constants.
-        failed: "half of the springs", and "without the loads" if there are any -> the distance with such a failure [m]; without those that
-            the brake does not hold.
+        failed: "half of the springs", and "without the loads" if there are any -> the distance with such a failure; None if the brake then
+            does not hold the press.
     """
 
     edition: str
     distance: float
     addends: tuple[tuple[str, float | None, float, str], ...]
     formula: str
-    failed: Mapping[str, float] = field(default_factory=dict)
+    failed: Mapping[str, SafetyDistance | None] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -61,9 +61,10 @@ class SafetyDistance(Tabular):
 
 
 def safety_distance(
-    edition: str, times: Mapping[str, float], monitor: float | None, lengths: Mapping[str, float], two_hand: bool
+    edition: str, times: Mapping[str, float], monitor: float | None, lengths: Mapping[str, float], two_hand: bool, acting: str
 ) -> SafetyDistance:
-    """The distance by the formula of an edition; arguments as for `StoppingTimes.distance`, times [s] by their names, lengths [m]."""
+    """The distance by the formula of an edition; arguments as for `StoppingTimes.distance`, times [s] by their names, lengths [m];
+    ``acting``: with what the stopping time is computed."""
     if not isinstance(edition, str) or edition not in EDITIONS:
         raise PinpressError(f"edition is {shown(edition)}: give one of {', '.join(EDITIONS)}")
     iso = edition.startswith("ISO")
@@ -84,7 +85,7 @@ def safety_distance(
         raise PinpressError(f"{coarse}, because an arm reaches through coarser ones; give a finer one")
     stopping_time = times["at 90 deg" if edition.startswith("OSHA") else "stopping"]
     rows: list[tuple[str, float, str]] = [
-        ("stopping time", stopping_time, "computed with all springs and loads, without wear, heat and scatter"),
+        ("stopping time", stopping_time, f"computed with {acting}, without wear, heat and scatter"),
         ("control", times["control"], "given"),
         ("device", times["device"], "given"),
     ]

@@ -82,9 +82,9 @@ def _charts(found: Sweep) -> Iterator[Block]:
         values = np.ma.filled(found.grid(name).astype(float), np.nan)[tuple(middle.get(axis, slice(None)) for axis in found.axes)]
         values = values[np.ix_(*(order[axis] for axis in drawn))]
         if len(drawn) == 1:
-            done = np.isfinite(values)  # points that failed are none of the curve
+            done = np.isfinite(values)  # points that failed are none of the curve, which is marked where it has some
             if done.sum() > 1:
-                yield Chart(name, name, "", along[0], [Curve(name, values[done], axes[drawn[0]][order[drawn[0]]][done])])
+                yield Chart(name, name, "", along[0], [Curve(name, values[done], axes[drawn[0]][order[drawn[0]]][done], look="marked")])
         else:
             yield Map(name, f"{name} at {at}" if at else name, "", along[1], along[0], values)
 

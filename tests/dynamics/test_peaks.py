@@ -92,9 +92,9 @@ def test_smooth_peaks_do_not_depend_on_the_states():
     coarse, fine = (extremes(press, loads, points, 70 * pp.RPM) for points in (360, 2160))
     for name, value in fine.items():
         size = largest(value)
-        assert abs(coarse[name].largest - value.largest) < 2e-6 * size, name
+        assert abs(coarse[name].largest - value.largest) < 1e-9 * size, name
         if not name.endswith("magnitude"):  # which is not smooth near zero
-            assert abs(coarse[name].smallest - value.smallest) < 2e-6 * size, name
+            assert abs(coarse[name].smallest - value.smallest) < 1e-9 * size, name
 
 
 class TwoSteps:
@@ -147,7 +147,7 @@ def test_the_largest_deflection_is_at_the_edge(points):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_no_number_depends_on_the_states(seed):
-    """Presses under loads that begin and end with a step, two of three with friction that reverses: 1e-8 is a hundredth of six digits."""
+    """Presses under loads that begin and end with a step, two of three with friction that reverses: 1e-9 is a thousandth of six digits."""
     rng = np.random.default_rng(seed)
     press = texts.shipped(("crank_slide", "zxn2_3000b", "pirica_double_knuckle")[seed % 3])
     speed, (first, second) = float(rng.uniform(2.0, 8.0)) * (-1) ** seed, rng.uniform(2e-3, 1e-2, size=2)
@@ -162,14 +162,14 @@ def test_no_number_depends_on_the_states(seed):
         titles.add(reactions.title.partition(" states, ")[2])
     assert len(titles) == 1
     for few, many in zip(works[0], works[-1], strict=True):
-        assert few == pytest.approx(many, rel=1e-8, abs=1e-6)
+        assert few == pytest.approx(many, rel=1e-9, abs=1e-6)
     for name, value in found[-1].items():
         for other in found[:-1]:
             numbers = [(each.smallest, each.largest, each.rms) for each in (other[name], value)]
-            np.testing.assert_allclose(*numbers, rtol=0, atol=1e-8 * largest(value) + 1e-9, err_msg=name)
+            np.testing.assert_allclose(*numbers, rtol=0, atol=1e-9 * largest(value) + 1e-9, err_msg=name)
     for name in ("work", "mean_torque", "rms_torque", "largest_torque", "stored", "lowest_at", "highest_at"):
         few, some, many = (getattr(energy, name) for energy in energies)
-        assert (few, some) == pytest.approx((many, many), rel=1e-8), name
+        assert (few, some) == pytest.approx((many, many), rel=1e-9), name
 
 
 @pytest.mark.parametrize("points", [100, 400])

@@ -98,7 +98,7 @@ def test_compiled_c_is_the_engine(name, tmp_path):
 
 
 @needs_gcc
-@pytest.mark.parametrize(("name", "single"), [("crank_slide", True), ("toggle", False)])
+@pytest.mark.parametrize(("name", "single"), [("crank_slide", True), ("toggle", False), ("jf75g_125_plain", True)])
 def test_the_self_test_and_the_sanitizers(name, single, tmp_path):
     pp.export.c_code(table_of(name), tmp_path / "press.c", single=single)
     program = compiled(tmp_path, "-O1", "-fsanitize=address,undefined", "-DPRESS_SELF_TEST", target="test")
@@ -127,6 +127,22 @@ def test_outside_the_range_is_no_number(tmp_path):
     assert np.isnan(list(outputs)).all()
     assert library.press_acceleration(number(float("nan")), number(0), number(0), inputs, number(0), ctypes.byref(result)) == 1
     assert np.isnan(result.value)
+
+
+@needs_gcc
+def test_an_inertia_that_is_not_positive_has_no_acceleration(tmp_path):
+    table = table_of("crank_slide")
+    pp.export.c_code(table, tmp_path / "press.c")
+    library, number, result = ctypes.CDLL(str(compiled(tmp_path, "-shared", "-fPIC"))), ctypes.c_double, ctypes.c_double()
+    inputs = (ctypes.c_double * 1)()
+    for added, code in ((5.0, 0), (-1e6, 1), (float("nan"), 1)):
+        assert library.press_acceleration(number(1.0), number(2.0), number(30.0), inputs, number(added), ctypes.byref(result)) == code
+        assert np.isnan(result.value) == bool(code)
+        if code:
+            with pytest.raises(pp.PinpressError, match="crank_slide has no acceleration at"):
+                table.acceleration(1.0, 2.0, 30.0, added_inertia=added)
+        else:
+            assert result.value == pytest.approx(table.acceleration(1.0, 2.0, 30.0, added_inertia=added), rel=1e-12)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ FMU
@@ -362,3 +378,27 @@ def test_the_command_exports_a_job(tmp_path, monkeypatch, capsys):
     assert "outputs(1)  slide_position [m]" in (tmp_path / "press.m").read_text()
     assert main(["export", "crank_slide", "--to", "c", "--no-bearings", "--out", "small.c"]) == 0
     assert {path.name for path in tmp_path.glob("small.*")} == {"small.c", "small.h"}
+
+
+def test_options_of_another_format_are_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for words, said in (
+        (["--to", "fmu", "--single"], "--single is of C tables"),
+        (["--to", "c", "--platform", "win64"], "--compiler and --platform are of an FMU"),
+        (["--to", "m", "--compiler", "cc"], "--compiler and --platform are of an FMU"),
+    ):
+        assert main(["export", "crank_slide", *words]) == 2
+        assert said in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["export", "crank_slide", "--to", "c", "--bearing", "O", "--no-bearings"])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_input_may_have_the_name_of_the_torque(tmp_path):
+    """All variables of an FMU have names of their own."""
+    twist = {"torque": pp.loads.PointMoment("rod", (0.0, 1.0, 0.0)), "tolerance": pp.loads.PointForce("slide", (0.0, 0.0, 1.0))}
+    table = pp.export.tabulate(texts.shipped("crank_slide"), bearings=(), inputs=twist)
+    path = pp.export.fmu(table, tmp_path / "press.fmu", compiler=None)
+    names = [each.name for each in fmpy.read_model_description(str(path)).modelVariables]
+    assert len({name.lower() for name in names}) == len(names)
+    assert {"torque", "torque_2", "tolerance", "tolerance_2"} <= set(names)

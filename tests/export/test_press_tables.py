@@ -226,6 +226,9 @@ REFUSED = [
     (lambda: TABLE.at(0.1, 1.0, power=3.0), "power"),
     (lambda: TABLE.at(np.zeros(3), np.zeros(2)), r"shapes \(3,\), \(2,\)"),
     (lambda: TABLE.at(0.1, 1.0).shaking_force, "the table of crank_slide has no shaking_force: tabulate it with bearings"),
+    (lambda: TABLE.acceleration("0.1", 1.0, 2.0), "the state of crank_slide is no single one: give numbers"),
+    (lambda: TABLE.acceleration(np.zeros(3), 1.0, 2.0), "no single one: give numbers; `at` takes arrays"),
+    (lambda: TABLE.acceleration(0.1, 1.0, np.nan), "has no acceleration at"),
 ]
 
 

@@ -180,8 +180,22 @@ def test_searched_signals_are_among_the_signals_and_failures_have_their_own_dist
     result = stops.distance("ISO 13855:2010", resolution=0.014)
     assert {*result.failed} == {HALF, UNLOADED}
     for name, found in result.failed.items():
-        assert 1e3 * found == pytest.approx(distance("ISO 13855:2010", held[name].worst.time + 0.01, resolution=0.014), rel=1e-12)
-    assert f"{1e3 * result.failed[HALF]:.3f} mm     half of the springs" in str(result)
+        expected = distance("ISO 13855:2010", held[name].worst.time + 0.01, resolution=0.014)
+        assert found is not None
+        assert 1e3 * found.distance == pytest.approx(expected, rel=1e-12)
+    half = result.failed[HALF]
+    assert half is not None
+    # each distance has the speed K by which it is computed
+    pace = "S = K T + C, K = 1600 mm/s" if half.distance > 0.5 else "S = K T + C, K = 2000 mm/s"
+    assert f"{1e3 * half.distance:.3f} mm     half of the springs, ISO 13855:2010; {pace}" in str(result)
+
+
+def test_a_failure_that_the_brake_does_not_hold_has_no_distance(stops: pp.ratings.StoppingTimes) -> None:
+    assert stops.cases[HALF].worst is None
+    with pytest.warns(pp.PinpressWarning, match="half of the springs does not hold the press"):
+        result = stops.distance("ISO 13855:2010", resolution=0.014)
+    assert result.failed[HALF] is None
+    assert "half of the springs: the brake does not hold the press" in str(result)
 
 
 def test_a_slow_press_that_turns_back_before_its_brake_closes_goes_both_ways() -> None:
@@ -198,7 +212,7 @@ BY_ISO += [(0.268, 14, 500.0), (0.268, 20, 500.0), (0.268, 30, 556.8), (0.268, 4
 
 def distance(edition: str, time: float, monitor: float | None = None, two_hand: bool = False, **lengths: float) -> float:
     times = {"stopping": time, "at 90 deg": time, "control": 0.0, "device": 0.0}
-    result = safety_distance(edition, times, monitor, lengths, two_hand)
+    result = safety_distance(edition, times, monitor, lengths, two_hand, "all springs and loads")
     assert result.distance == pytest.approx(sum(length for _, _, length, _ in result.addends), abs=1e-15)
     return 1e3 * result.distance
 

@@ -69,7 +69,7 @@ static fmi2Status refuse(const Press *press, const char *message)
     return fmi2Error;
 }
 
-static const char BEYOND[] = "@NAME@: the driver has left the range that the table has";
+static const char BEYOND[] = "@NAME@: the driver has left the range of the table, or no inertia resists the torque";
 
 /* Slopes of angle and speed; 1 if the table does not reach the angle. */
 static int slopes(const State *s, double angle, double speed, double slope[2])

@@ -79,6 +79,10 @@ int @PREFIX@_acceleration(double angle, double speed, double torque, const doubl
     for (k = TERMS - 2; k >= 0; k--)
         for (r = 0; r < TORQUE_ROWS; r++)
             row[r] = row[r] * x + TABLE[panel][k][r];
+    if (!(@REDUCED@ + added_inertia > 0.0)) {
+        *acceleration = NAN;
+        return 1;
+    }
     *acceleration = (torque - (@STANDING@)) / (@REDUCED@ + added_inertia);
     return 0;
 }

@@ -19,7 +19,7 @@ enum { @MACRO@_INPUTS = @INPUTS@, @MACRO@_OUTPUTS = @OUTPUTS@ };
 int @PREFIX@_all(double angle, double speed, double acceleration, const double *inputs, double *outputs);
 
 /* Equation of motion: the driver's acceleration [@UNIT@/s2] under a torque [@EFFORT@], with the inertia [@INERTIA@] of flywheel and drive at
-   the driver. Returns 0; 1 with NaN if the driver does not reach the angle. */
+   the driver. Returns 0; 1 with NaN if the driver does not reach the angle, or if no inertia resists the torque. */
 int @PREFIX@_acceleration(double angle, double speed, double torque, const double *inputs, double added_inertia, double *acceleration);
 
 #ifdef __cplusplus
