@@ -175,7 +175,7 @@ def _verdict(sections: Sequence[described.Section], before: Sequence[described.S
                 share = 100 * (number.value / then.value - 1)
                 change = f"{share:+.1f} %" if abs(share) >= 0.05 else "the same"
             more: dict[str, Any] = {"use": number.use, "before": "" if then is None else figure(then)["value"], "change": change}
-            rows.append(dict[str, Any](figure(number)) | {key: value for key, value in more.items() if value})
+            rows.append(dict[str, Any](figure(number)) | {key: value for key, value in more.items() if value not in ("", None)})
     return rows
 
 
